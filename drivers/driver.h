@@ -29,12 +29,13 @@ enum class Transport : std::uint8_t { udp, tcp };
 /// call.
 struct Packet {
   ByteView payload;
-  Stamp arrival;  ///< kernel receive stamp, or the stamp of the capture
+  Stamp arrival;  ///< stamp of the capture; live: `received`, converted by the receiver
   Endpoint from;
   Endpoint to;
   Transport transport = Transport::udp;
   bool stream_start = false;  ///< first chunk of a connection, or of its part in a capture
   std::uint64_t missing = 0;  ///< bytes of the stream lost right before this chunk (captures with holes)
+  HostStamp received{};       ///< live: the kernel's receive stamp
 };
 
 /// A driver's verdict on a packet or on a chunk of a stream. The driver has counted it.

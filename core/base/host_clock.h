@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <optional>
 
@@ -11,9 +12,22 @@ namespace lidard {
 
 /// Both clocks of a host, read at about the same moment.
 struct ClockReading {
-  Stamp realtime;       ///< CLOCK_REALTIME, which people and programs set
+  HostStamp realtime;   ///< CLOCK_REALTIME, which people and programs set
   Span monotonic{0};    ///< CLOCK_MONOTONIC, which nobody sets
   Span uncertainty{0};  ///< how much earlier than `realtime` the monotonic clock may have been read
+};
+
+/// By how much the host's clock was set since the program began; converts between the two time scales. Shared
+/// by threads. In a replay both scales are one.
+class ClockStep {
+ public:
+  explicit ClockStep(Span step = Span(0)) : step_(step) {}
+  void set(Span step) { step_ = step; }
+  HostStamp host(Stamp steady) const { return {(steady + step_.load()).ns}; }
+  Stamp steady(HostStamp host) const { return {(host - step_.load()).ns}; }
+
+ private:
+  std::atomic<Span> step_;
 };
 
 /// The time scale of a running program: the host's time when the program began, and no steps from there on.
@@ -33,12 +47,12 @@ class HostClock {
   /// Longest time that a packet may wait in a socket.
   static constexpr Span longest_wait = std::chrono::seconds(1);
 
-  explicit HostClock(const ClockReading& first) : offset_(first.realtime - Stamp{first.monotonic.count()}) {}
+  explicit HostClock(const ClockReading& first) : offset_(first.realtime - at(first.monotonic)) {}
 
   /// To be called at every wake-up. Returns by how much the host's clock was set since the last call, if it
   /// was.
   std::optional<Span> observe(const ClockReading& reading) {
-    const Span step = reading.realtime - Stamp{reading.monotonic.count()} - offset_ - step_;
+    const Span step = reading.realtime - at(reading.monotonic) - offset_ - step_;
     if (std::chrono::abs(step) <= least_step + reading.uncertainty) return std::nullopt;
     before_ = step_;
     set_at_ = reading.monotonic;
@@ -52,20 +66,20 @@ class HostClock {
   /// The steady time of a stamp of the host's clock (of a packet, say) from before `reading`, which was
   /// observed. A packet that waited while the clock was set has a stamp of the former time: the younger of
   /// both meanings counts, unless it lies ahead.
-  Stamp steady(Stamp stamp, const ClockReading& reading) const {
-    const Stamp by_new = stamp - step_, by_old = stamp - before_;
+  Stamp steady(HostStamp stamp, const ClockReading& reading) const {
+    const Stamp by_new = ClockStep(step_).steady(stamp), by_old = ClockStep(before_).steady(stamp);
     if (steps_ == 0 || reading.monotonic - set_at_ > longest_wait) return by_new;
     const Stamp now = steady(reading) + reading.uncertainty + least_step;
     const bool is_old = by_old <= now && (by_new > now || by_old > by_new);
     return is_old ? by_old : by_new;
   }
-  /// The host's clock at a steady time.
-  Stamp realtime(Stamp steady) const { return steady + step_; }
   /// By how much the host's clock was set since the beginning.
   Span step() const { return step_; }
   std::uint64_t steps() const { return steps_; }
 
  private:
+  static HostStamp at(Span monotonic) { return {monotonic.count()}; }
+
   Span offset_;     // realtime - monotonic at the beginning
   Span step_{0};    // what was added to it since
   Span set_at_{0};  // monotonic

@@ -10,20 +10,26 @@ namespace lidard {
 /// A signed length of time. Differences of stamps are signed so that a stamp going backwards stays small.
 using Span = std::chrono::nanoseconds;
 
-/// A point in time: nanoseconds since the Unix epoch.
-struct Stamp {
+/// A point in time on one of two scales, which do not mix: nanoseconds since the Unix epoch.
+template <class Scale>
+struct TimePoint {
   std::int64_t ns = 0;
 
-  friend constexpr bool operator==(Stamp a, Stamp b) { return a.ns == b.ns; }
-  friend constexpr bool operator!=(Stamp a, Stamp b) { return a.ns != b.ns; }
-  friend constexpr bool operator<(Stamp a, Stamp b) { return a.ns < b.ns; }
-  friend constexpr bool operator>(Stamp a, Stamp b) { return a.ns > b.ns; }
-  friend constexpr bool operator<=(Stamp a, Stamp b) { return a.ns <= b.ns; }
-  friend constexpr bool operator>=(Stamp a, Stamp b) { return a.ns >= b.ns; }
-  friend constexpr Stamp operator+(Stamp a, Span d) { return {a.ns + d.count()}; }
-  friend constexpr Stamp operator-(Stamp a, Span d) { return {a.ns - d.count()}; }
-  friend constexpr Span operator-(Stamp a, Stamp b) { return Span(a.ns - b.ns); }
+  friend constexpr bool operator==(TimePoint a, TimePoint b) { return a.ns == b.ns; }
+  friend constexpr bool operator!=(TimePoint a, TimePoint b) { return a.ns != b.ns; }
+  friend constexpr bool operator<(TimePoint a, TimePoint b) { return a.ns < b.ns; }
+  friend constexpr bool operator>(TimePoint a, TimePoint b) { return a.ns > b.ns; }
+  friend constexpr bool operator<=(TimePoint a, TimePoint b) { return a.ns <= b.ns; }
+  friend constexpr bool operator>=(TimePoint a, TimePoint b) { return a.ns >= b.ns; }
+  friend constexpr TimePoint operator+(TimePoint a, Span d) { return {a.ns + d.count()}; }
+  friend constexpr TimePoint operator-(TimePoint a, Span d) { return {a.ns - d.count()}; }
+  friend constexpr Span operator-(TimePoint a, TimePoint b) { return Span(a.ns - b.ns); }
 };
+
+/// Time without steps (HostClock), or the time of a capture: sensors, merging, time-outs.
+using Stamp = TimePoint<struct SteadyScale>;
+/// The host's clock (CLOCK_REALTIME), which may be set: arrivals as the kernel stamps them, ROS, files.
+using HostStamp = TimePoint<struct HostScale>;
 
 /// A clock that goes back by more than this was set, or the stream began anew.
 constexpr Span restart_limit = std::chrono::seconds(1);

@@ -34,15 +34,15 @@ struct GnssFix {
   double longitude_deg = std::numeric_limits<double>::quiet_NaN();  ///< WGS 84, east positive
   double altitude_m = std::numeric_limits<double>::quiet_NaN();  ///< above the WGS 84 ellipsoid; NaN unknown
   FixStatus status = FixStatus::none;
-  std::optional<Stamp> source_time;  ///< the receiver's own time (UTC), where it sends the date too
+  std::optional<HostStamp> source_time;  ///< the receiver's own time (UTC), where it sends the date too
 };
 
 /// One instant on two clocks.
 struct TimeReference {
   static constexpr std::string_view topic = "time_reference";
-  Stamp stamp;         ///< on the host's clock
-  Stamp reference;     ///< on the other clock (UTC)
-  std::string source;  ///< which other clock
+  Stamp stamp;
+  HostStamp reference;  ///< on the other clock (UTC)
+  std::string source;   ///< which other clock
 };
 
 /// One sample of an inertial unit, in the axes of `frame_id`. As measured, bias included.

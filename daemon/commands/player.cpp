@@ -62,7 +62,8 @@ bool Player::play_once(const std::function<bool()>& stop) {
       continue;
     }
     if (options_.duration >= 0 && into >= options_.start + options_.duration) break;
-    if (!started_ && options_.restamp) loop_shift_ = restamp_shift_ = wall_clock() - packet.arrival;
+    if (!started_ && options_.restamp)
+      loop_shift_ = restamp_shift_ = ClockStep().steady(wall_clock()) - packet.arrival;
     packet.arrival = packet.arrival + loop_shift_;
     if (!started_) {
       started_ = true;

@@ -58,8 +58,7 @@ class Daemon {
       : config_(divided(config)),
         last_good_(config.file),
         trouble_(std::move(trouble)),
-        clock_([this](Span step) { ros_.set_step(step); }),
-        ros_(*config_, how),
+        ros_(*config_, with_clock(how)),
         box_(config.black_box,
              [](bool good, const std::string& sentence) {
                log_line(good ? LogLevel::info : LogLevel::error, "black box: " + sentence);
@@ -279,7 +278,7 @@ class Daemon {
     const Stamp now = clock_.now();
     std::vector<DiagnosticItem> items = ros_.diagnostics(now);
     DaemonState all{
-        ros_.node(), clock_.realtime(now), now - started_, status(items), history_, std::move(items), {}};
+        ros_.node(), clock_.step()->host(now), now - started_, status(items), history_, std::move(items), {}};
     for (const OutputTopic& topic : output_topics(*config_)) {
       const TopicFigures figures = ros_.figures(topic, now);
       if (topic.promised || figures.frames > 0) all.topics.emplace_back(topic.name, figures);
@@ -290,8 +289,9 @@ class Daemon {
     leave_name_to_others();
     const std::vector<DiagnosticItem> items = ros_.diagnostics(now);
     if (++ticks_ % ticks_per_status == 0) service_.status(status(items));
-    for (const std::string& error : journal_.update(items, clock_.realtime(now))) box_.incident(now, error);
-    box_.poll(now, clock_.step(), [this] { return events_json(journal_); });
+    const HostStamp host = clock_.step()->host(now);
+    for (const std::string& error : journal_.update(items, host)) box_.incident(now, error);
+    box_.poll(now, host, [this] { return events_json(journal_); });
   }
   /// Names of the hanging threads.
   std::string standing_threads() {
@@ -320,6 +320,11 @@ class Daemon {
     log_error("{}", conflict);
     exit_code_ = exit_failed;
     sensors_.stop();
+  }
+
+  RosOptions with_clock(RosOptions how) const {
+    how.clock_step = clock_.step();
+    return how;
   }
 
   std::shared_ptr<const Config> config_;

@@ -40,7 +40,7 @@ const char* name_of(Health health) {
 double ms(Span span) { return static_cast<double>(span.count()) / 1e6; }
 
 /// UTC, as in ISO 8601.
-std::string time_text(Stamp at) {
+std::string time_text(HostStamp at) {
   const std::time_t whole = at.ns / 1'000'000'000;
   return fmt::format("{:%Y-%m-%dT%H:%M:%S}.{:03}Z", fmt::gmtime(whole), at.ns % 1'000'000'000 / 1'000'000);
 }

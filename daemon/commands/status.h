@@ -16,7 +16,7 @@ namespace lidard {
 /// The state of a running daemon.
 struct DaemonState {
   std::string node;  ///< ROS name
-  Stamp now;         ///< on the host's clock
+  HostStamp now;     ///< on the host's clock
   Span uptime{0};
   std::string summary;  ///< one line, as reported to systemd
   std::string history;  ///< service_history()

@@ -184,12 +184,12 @@ void BlackBox::incident(Stamp now, const std::string& kind) {
   if (!due_) due_ = std::max(now + aftermath, pause_end_);
 }
 
-void BlackBox::poll(Stamp now, Span step, const std::function<std::string()>& events) {
+void BlackBox::poll(Stamp now, HostStamp host, const std::function<std::string()>& events) {
   collect();
   const bool due = due_ && now >= *due_;
   if (writing_ || (asked_.empty() && !due)) return;
   auto asked = std::exchange(asked_, {});
-  const std::string trouble = start(now, step, due, events);
+  const std::string trouble = start(now, host, due, events);
   if (due) {
     due_.reset();
     incidents_.clear();
@@ -208,7 +208,7 @@ bool BlackBox::is_first(const std::set<std::string>& kinds) const {
 }
 
 /// Starts a capture; returns the reason if that is not possible.
-std::string BlackBox::start(Stamp now, Span step, bool due, const std::function<std::string()>& events) {
+std::string BlackBox::start(Stamp now, HostStamp host, bool due, const std::function<std::string()>& events) {
   if (!is_on()) return "no black box is kept; set `blackbox: {seconds: 60}` in the configuration";
   if (!ring_) return no_memory();
   auto writing = std::make_unique<Writing>();
@@ -216,13 +216,13 @@ std::string BlackBox::start(Stamp now, Span step, bool due, const std::function<
   writing->snapshot = ring_->snapshot();
   lock.unlock();
   if (writing->snapshot.empty()) return "no packet has come yet";
-  const std::int64_t ms = (now + step).ns / 1'000'000;
+  const std::int64_t ms = host.ns / 1'000'000;
   writing->path =
       folder_of(config_) / fmt::format("lidard-{:%Y%m%dT%H%M%S}.{:03}Z.pcap",
                                        fmt::gmtime(static_cast<std::time_t>(ms / 1000)), ms % 1000);
   writing->ring = ring_;
   writing->since = now - span_from_seconds(config_.seconds) - (due ? aftermath : Span(0));
-  writing->step = step;
+  writing->step = Span(host.ns - now.ns);
   writing->files = static_cast<std::size_t>(config_.files);
   writing->kept = firsts_;
   if (due && is_first(incidents_)) writing->kinds = incidents_;

@@ -36,9 +36,9 @@ class BlackBox {
   void incident(Stamp now, const std::string& kind);
   /// Writes the packets as soon as no other capture is being written.
   void dump(Answer answer) { asked_.push_back(std::move(answer)); }
-  /// Advances the time: starts captures that are due and reports finished ones. `step` is added to the stamps
-  /// (HostClock::step()); `events()` is the text for the file beside the capture.
-  void poll(Stamp now, Span step, const std::function<std::string()>& events);
+  /// Advances the time: starts captures that are due and reports finished ones. `host` is `now` on the
+  /// host's clock, which captures are stamped by; `events()` is the text for the file beside the capture.
+  void poll(Stamp now, HostStamp host, const std::function<std::string()>& events);
   /// Waits for a capture that is being written; pending dump() calls get no answer.
   void finish();
   /// The item for /diagnostics; none if the black box is off.
@@ -49,7 +49,7 @@ class BlackBox {
   void collect();
   std::string no_memory() const;
   bool is_first(const std::set<std::string>& kinds) const;
-  std::string start(Stamp now, Span step, bool due, const std::function<std::string()>& events);
+  std::string start(Stamp now, HostStamp host, bool due, const std::function<std::string()>& events);
 
   bool is_on() const { return config_.seconds > 0; }
 

@@ -4,9 +4,8 @@
 
 #include <fmt/format.h>
 
-#include <functional>
+#include <memory>
 #include <mutex>
-#include <utility>
 #include <vector>
 
 #include "core/base/host_clock.h"
@@ -21,36 +20,25 @@ namespace lidard {
 /// The clocks are read at every call, so that a step is known before the first stamp after it is used.
 class DaemonClock {
  public:
-  /// `stepped` is called with HostClock::step() when its value changes, in the thread that detects the step.
-  explicit DaemonClock(std::function<void(Span)> stepped) : stepped_(std::move(stepped)) {}
-
   /// The present time without steps.
   Stamp now() {
     const std::lock_guard lock(mutex_);
     return clock_.steady(read());
   }
   /// Converts a stamp of the host's clock to the time without steps.
-  Stamp without_steps(Stamp stamp) {
+  Stamp steady(HostStamp stamp) {
     const std::lock_guard lock(mutex_);
     const ClockReading reading = read();
     return clock_.steady(stamp, reading);
   }
-  /// The same for the arrivals of a batch of packets.
-  void remove_steps(std::vector<Packet>& packets) {
+  /// Converts when a batch of packets was received to their arrivals.
+  void set_arrivals(std::vector<Packet>& packets) {
     const std::lock_guard lock(mutex_);
     const ClockReading reading = read();
-    for (Packet& packet : packets) packet.arrival = clock_.steady(packet.arrival, reading);
+    for (Packet& packet : packets) packet.arrival = clock_.steady(packet.received, reading);
   }
-  /// The host's clock at a time without steps.
-  Stamp realtime(Stamp steady) const {
-    const std::lock_guard lock(mutex_);
-    return clock_.realtime(steady);
-  }
-  /// Sum of the steps of the host's clock.
-  Span step() const {
-    const std::lock_guard lock(mutex_);
-    return clock_.step();
-  }
+  /// Converts in both directions by the step known so far. Lives as long as anybody has it.
+  std::shared_ptr<const ClockStep> step() const { return step_; }
   DiagnosticItem item() {
     const std::lock_guard lock(mutex_);
     const Stamp now = clock_.steady(read());
@@ -75,13 +63,13 @@ class DaemonClock {
     if (const auto step = clock_.observe(reading)) {
       set_at_ = clock_.steady(reading);
       last_step_ = *step;
-      stepped_(clock_.step());
+      step_->set(clock_.step());
       log_warn("the host's clock was set by {:+.3f} s; the stamps follow it in one step", seconds(*step));
     }
     return reading;
   }
 
-  const std::function<void(Span)> stepped_;
+  const std::shared_ptr<ClockStep> step_ = std::make_shared<ClockStep>();
   mutable std::mutex mutex_;
   HostClock clock_{read_clocks()};
   Stamp set_at_{};

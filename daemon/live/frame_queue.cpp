@@ -51,7 +51,7 @@ void FrameQueue::push(std::size_t number, const Payload& payload, Stamp released
   if (backpressure_ == Backpressure::block)
     emptied_.wait(lock, [&] { return stopped_ || slot.waiting.size() < slot.depth; });
   if (stopped_) return;
-  while (backpressure_ == Backpressure::drop_oldest && must_drop(slot, released + step_.load())) {
+  while (backpressure_ == Backpressure::drop_oldest && must_drop(slot, released)) {
     slot.free.push_back(slot.waiting.front());
     slot.waiting.pop_front();
     ++slot.dropped;
@@ -59,7 +59,7 @@ void FrameQueue::push(std::size_t number, const Payload& payload, Stamp released
   QueuedFrame* const frame = slot.free.back();
   slot.free.pop_back();
   frame->number = ++pushed_;
-  frame->released = released + step_.load();
+  frame->released = released;
   slot.watch.released(released);
   fill(payload, frame->content);
   slot.waiting.push_back(frame);
@@ -72,21 +72,18 @@ void FrameQueue::skip(std::size_t number, Stamp released) {
   slots_.at(number).watch.released(released);
 }
 
-void FrameQueue::fill(const Payload& payload, QueuedContent& content) const {
+void FrameQueue::fill(const Payload& payload, QueuedContent& content) {
   const auto keep = [&](auto* given) {
     using Kept = std::remove_const_t<std::remove_pointer_t<decltype(given)>>;
     Kept& kept = kept_in<Kept>(content);
     if constexpr (std::is_same_v<Kept, Cloud> || std::is_same_v<Kept, MergedCloud>) {
       kept.frame_id = given->frame_id;
-      kept.stamp = given->stamp + step_.load();
+      kept.stamp = given->stamp;
       kept.height = given->height;
       kept.points_bytes.swap(given->points_bytes);
     } else {
       kept = *given;
     }
-    if constexpr (std::is_same_v<Kept, PlanarScan>) kept.stamp = kept.stamp + step_.load();
-    if constexpr (std::is_same_v<Kept, DeviceMessage>)
-      std::visit([this](auto& message) { message.stamp = message.stamp + step_.load(); }, kept);
   };
   std::visit(keep, payload);
 }
@@ -118,7 +115,7 @@ void FrameQueue::done(QueuedFrame* frame) {
 }
 
 void FrameQueue::published(QueuedFrame* frame, Stamp now) {
-  // If the host's clock was set meanwhile, the frame does not count for the latency.
+  // If the host's clock was set and nobody has noticed yet, the frame does not count for the latency.
   constexpr Span longest_way = std::chrono::minutes(1);
   const Span latency = now - frame->released;
   if (latency >= Span(0) && latency < longest_way) {

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <atomic>
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
@@ -49,8 +48,6 @@ class FrameQueue {
   /// Frees the memory of a slot that is not used for now.
   void release(std::size_t slot);
 
-  /// By how much the stamps of what is pushed from now on are moved: HostClock::step().
-  void set_step(Span step) { step_ = step; }
   /// Swaps the points_bytes of a cloud with a recycled buffer.
   void push(std::size_t slot, const Payload& payload, Stamp released);
   /// Counts a frame that was not made, since it has no consumer.
@@ -59,9 +56,9 @@ class FrameQueue {
   /// The oldest frame, or nullptr after `wait` or stop(). Give it back with done().
   QueuedFrame* pop(Span wait);
   void done(QueuedFrame* frame);
-  /// The same of a frame that was published, at `now` on the host's clock.
+  /// The same of a frame that was published at `now`.
   void published(QueuedFrame* frame, Stamp now);
-  /// The figures of a slot's topic; `now` and `released` in the time without steps.
+  /// The figures of a slot's topic;
   TopicFigures figures(std::size_t slot, Stamp now) const;
   /// True if all frames were given back.
   bool idle() const;
@@ -84,11 +81,10 @@ class FrameQueue {
     bool idle() const { return free.size() == frames.size(); }
   };
   static bool must_drop(const Slot& slot, Stamp released);
-  void fill(const Payload& payload, QueuedContent& content) const;
+  static void fill(const Payload& payload, QueuedContent& content);
   Slot* oldest();
 
   Backpressure backpressure_;
-  std::atomic<Span> step_{Span(0)};
   mutable std::mutex mutex_;
   std::condition_variable filled_;
   std::condition_variable emptied_;

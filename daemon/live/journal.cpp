@@ -24,7 +24,7 @@ bool is_again(const Event& before, const Event& now) {
 
 }  // namespace
 
-std::vector<std::string> Journal::update(const std::vector<DiagnosticItem>& items, Stamp now) {
+std::vector<std::string> Journal::update(const std::vector<DiagnosticItem>& items, HostStamp now) {
   std::vector<std::string> errors;
   for (const DiagnosticItem& item : items) {
     Known& known = known_[item.name];
@@ -55,7 +55,7 @@ void Journal::add(Event event) {
 
 bool Journal::should_log(const Event& event) {
   Known& known = known_[event.source];
-  const auto is_old = [&](Stamp at) { return event.at - at > one_incident || at > event.at; };
+  const auto is_old = [&](HostStamp at) { return event.at - at > one_incident || at > event.at; };
   known.logged_at.erase(std::remove_if(known.logged_at.begin(), known.logged_at.end(), is_old),
                         known.logged_at.end());
   if (known.logged_at.size() < most_logged) {

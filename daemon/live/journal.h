@@ -15,13 +15,13 @@ namespace lidard {
 
 /// A change of state for the operator.
 struct Event {
-  Stamp at;  ///< on the host's clock
+  HostStamp at;  ///< on the host's clock
   std::string source;
   Health health = Health::ok;
   std::string text;         ///< a sentence, with the remedy unless health is ok
   bool logged = false;      ///< it is already in the log with more detail
   std::uint64_t count = 1;  ///< occurrences; `at` is the last one
-  Stamp first = at;         ///< the first occurrence
+  HostStamp first = at;     ///< the first occurrence
 };
 
 /// The changes of state of a running daemon, found by comparing the items of /diagnostics with the previous
@@ -34,7 +34,7 @@ class Journal {
   explicit Journal(std::function<void(const Event&)> log) : log_(std::move(log)) {}
 
   /// Returns the items that became ERROR after they had been ok, as source and text without figures.
-  std::vector<std::string> update(const std::vector<DiagnosticItem>& items, Stamp now);
+  std::vector<std::string> update(const std::vector<DiagnosticItem>& items, HostStamp now);
   void add(Event event);
 
   /// At most `most_events`, ordered by their last occurrence.
@@ -48,8 +48,8 @@ class Journal {
  private:
   struct Known {
     Health health = Health::ok;
-    std::string text;             // without figures
-    std::deque<Stamp> logged_at;  // within the last ten minutes
+    std::string text;                 // without figures
+    std::deque<HostStamp> logged_at;  // within the last ten minutes
     bool flaps = false;
   };
   bool should_log(const Event& event);

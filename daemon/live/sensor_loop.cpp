@@ -38,7 +38,7 @@ SensorLoop::SensorLoop(const Config& config, DaemonClock& clock, BlackBox& box, 
              chunk_[0] = packet;
              handle(chunk_, [&](const Packet& chunk) { pipeline_.chunk(sensor, chunk); });
            },
-           [this](std::size_t sensor, Stamp at) { pipeline_.connected(sensor, clock_.without_steps(at)); },
+           [this](std::size_t sensor, HostStamp at) { pipeline_.connected(sensor, clock_.steady(at)); },
            [this](std::size_t sensor) { pipeline_.disconnected(sensor); },
            [this](std::size_t sensor) { return pipeline_.frames(sensor); },
            [this](std::size_t sensor) { return host_causes_.trouble(sensor); },
@@ -107,7 +107,7 @@ void SensorLoop::report_round() {
 template <class Use>
 void SensorLoop::handle(std::vector<Packet>& packets, Use use) {
   report_round();
-  clock_.remove_steps(packets);
+  clock_.set_arrivals(packets);
   for (const Packet& packet : packets) {
     box_.add(packet);
     use(packet);

@@ -73,12 +73,12 @@ void TcpConnections::open(Connection& connection, const IpAddress& device) {
   options.keep_up = connection.streams;
   TcpHandlers handlers;
   handlers.receive = [this, &connection](const Packet& packet) { events_.chunk(connection.sensor, packet); };
-  handlers.connected = [this, &connection](Stamp now) { connected(connection, now); };
+  handlers.connected = [this, &connection](HostStamp now) { connected(connection, now); };
   handlers.disconnected = [this, &connection] { events_.disconnected(connection.sensor); };
   connection.source = std::make_unique<TcpSource>(io_, options, std::move(handlers));
 }
 
-void TcpConnections::connected(Connection& connection, Stamp now) {
+void TcpConnections::connected(Connection& connection, HostStamp now) {
   connection.frames_before = events_.frames(connection.sensor);
   if (connection.streams)
     connection.source->set_read_time_out(std::max(first_frame_patience, connection.silence));

@@ -17,7 +17,7 @@ namespace lidard {
 /// Callbacks of TcpConnections; `sensor` is the sensor's index in the configuration.
 struct ConnectionEvents {
   std::function<void(std::size_t sensor, const Packet& packet)> chunk;
-  std::function<void(std::size_t sensor, Stamp now)> connected;
+  std::function<void(std::size_t sensor, HostStamp now)> connected;
   std::function<void(std::size_t sensor)> disconnected;
   /// Number of frames from the sensor's driver so far.
   std::function<std::uint64_t(std::size_t sensor)> frames;
@@ -64,7 +64,7 @@ class TcpConnections final : public DeviceConnections {
     bool announced = false;
   };
   void open(Connection& connection, const IpAddress& device);
-  void connected(Connection& connection, Stamp now);
+  void connected(Connection& connection, HostStamp now);
   Connection* find(std::size_t sensor);
   const Connection* find(std::size_t sensor) const { return const_cast<TcpConnections*>(this)->find(sensor); }
 

@@ -68,7 +68,6 @@ struct RosConnection::Impl {
   std::unique_ptr<NodeName> name;
   ThreadWatch watch;
   std::array<std::unique_ptr<PublisherThread>, workers> publishers;
-  const std::shared_ptr<std::atomic<Span>> step = std::make_shared<std::atomic<Span>>(Span(0));
 
   std::atomic<bool> stopping{false};
   std::atomic<bool> master_asked{false}, master_present{false};
@@ -260,7 +259,7 @@ struct RosConnection::Impl {
       const std::lock_guard lock(wake_mutex);
       component_items = std::move(items);
     }
-    diagnostics.publish(own_items(wall_clock() - step->load()), awake_since);
+    diagnostics.publish(own_items(options.clock_step->steady(wall_clock())), awake_since);
   }
   /// Items beside those of the sensor threads.
   std::vector<DiagnosticItem> own_items(Stamp now) const {
@@ -336,13 +335,6 @@ FrameSink& RosConnection::sink(Worker worker) { return *impl_->publisher_of(work
 void RosConnection::set_topics(Worker worker, const std::vector<OutputTopic>& topics) {
   impl_->publisher_of(worker)->set_topics(topics);
 }
-
-void RosConnection::set_step(Span step) {
-  *impl_->step = step;
-  for (const auto& one : impl_->publishers) one->set_step(step);
-}
-
-std::shared_ptr<const std::atomic<Span>> RosConnection::step() const { return impl_->step; }
 
 void RosConnection::publish_clock(Stamp now) { impl_->publishers[0]->publish_clock(now); }
 

@@ -47,11 +47,6 @@ class RosConnection {
   /// Publishes on other topics, see PublisherThread::set_topics(). To be called in the thread that uses
   /// sink().
   void set_topics(Worker worker, const std::vector<OutputTopic>& topics);
-  /// Sets the step of the host's clock since the beginning, which is added to outgoing stamps and subtracted
-  /// from incoming ones.
-  void set_step(Span step);
-  /// The same for components.
-  std::shared_ptr<const std::atomic<Span>> step() const;
   /// The time of a replay, on /clock.
   void publish_clock(Stamp now);
 

@@ -39,7 +39,8 @@ std::array<std::string, 3> motion_topics(const VehicleConfig& vehicle) {
 RosSession::RosSession(const Config& config, const RosOptions& options)
     : RosConnection(options, output_topics(config)),
       names_(options.reconfigure),
-      poses_(std::make_shared<TfPoses>(step())) {
+      clock_step_(options.clock_step),
+      poses_(std::make_shared<TfPoses>(clock_step_)) {
   add(poses_);
 }
 
@@ -66,10 +67,10 @@ void RosSession::renew(const Config* before, const Config& config) {
     auto& [inputs, motion] = fed_[static_cast<std::size_t>(worker)];
     const auto sources = topic_sources(config, worker);
     if (before == nullptr || !(sources == topic_sources(*before, worker)))
-      replace(inputs, std::make_shared<RosInputs>(sources, worker, post_, step()));
+      replace(inputs, std::make_shared<RosInputs>(sources, worker, post_, clock_step_));
     const VehicleConfig vehicle = vehicle_for(config, worker);
     if (before == nullptr || motion_topics(vehicle) != motion_topics(vehicle_for(*before, worker)))
-      replace(motion, make_ros_motion(vehicle, worker, post_, step()));
+      replace(motion, make_ros_motion(vehicle, worker, post_, clock_step_));
   }
   replace(reconfigure_, make_ros_reconfigure(changeable_outputs(config, names_), post_));
   const VehicleConfig& vehicle = config.vehicle;

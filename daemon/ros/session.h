@@ -41,6 +41,7 @@ class RosSession : public RosConnection {
   void renew(const Config* before, const Config& config);
 
   const ReconfigureNames names_;
+  const SharedClockStep clock_step_;
   const std::shared_ptr<TfPoses> poses_;
   Post post_;
   std::array<Fed, workers> fed_;

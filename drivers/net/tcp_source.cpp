@@ -57,7 +57,7 @@ bool peer_is_gone(int fd) {
 }
 
 /// Reads without waiting, as recv(2); `stamp` is the arrival of the last byte.
-ssize_t receive_bytes(int fd, std::uint8_t* to, std::size_t room, Stamp& stamp) {
+ssize_t receive_bytes(int fd, std::uint8_t* to, std::size_t room, HostStamp& stamp) {
   struct alignas(cmsghdr) Control {
     std::array<char, CMSG_SPACE(sizeof(timespec))> bytes;
   } control{};
@@ -73,7 +73,7 @@ ssize_t receive_bytes(int fd, std::uint8_t* to, std::size_t room, Stamp& stamp) 
     if (c->cmsg_level != SOL_SOCKET || c->cmsg_type != SCM_TIMESTAMPNS) continue;
     timespec time{};
     std::memcpy(&time, CMSG_DATA(c), sizeof time);
-    stamp = Stamp{time.tv_sec * 1'000'000'000 + time.tv_nsec};
+    stamp = HostStamp{time.tv_sec * 1'000'000'000 + time.tv_nsec};
     if (stamp.ns != 0) return got;
   }
   stamp = wall_clock();
@@ -308,7 +308,7 @@ class TcpSource::Impl : public std::enable_shared_from_this<Impl> {
     for (int round = 0; round < rounds; ++round) {
       Packet packet;
       const ssize_t got =
-          receive_bytes(socket_.native_handle(), buffer_.data(), buffer_.size(), packet.arrival);
+          receive_bytes(socket_.native_handle(), buffer_.data(), buffer_.size(), packet.received);
       if (got < 0 && (errno == EAGAIN || errno == EINTR)) return true;
       if (got <= 0) {
         const int error = got == 0 ? 0 : errno;

@@ -53,7 +53,7 @@ struct TcpState {
 /// Handlers of a TcpSource; called from its io_context, disconnected() also from disconnect().
 struct TcpHandlers {
   std::function<void(const Packet&)> receive;
-  std::function<void(Stamp)> connected;
+  std::function<void(HostStamp)> connected;
   /// A connection reported by connected() ended; without TcpOptions::keep_up also: the attempt failed.
   std::function<void()> disconnected;
 };

@@ -235,7 +235,7 @@ DatagramBatch::Datagram DatagramBatch::operator[](std::size_t i) const {
     if (c->cmsg_level == SOL_SOCKET && c->cmsg_type == SCM_TIMESTAMPNS) {
       timespec time{};
       std::memcpy(&time, CMSG_DATA(c), sizeof time);
-      d.kernel_stamp = Stamp{time.tv_sec * 1'000'000'000 + time.tv_nsec};
+      d.kernel_stamp = HostStamp{time.tv_sec * 1'000'000'000 + time.tv_nsec};
     } else if (c->cmsg_level == SOL_SOCKET && c->cmsg_type == SO_RXQ_OVFL) {
       std::memcpy(&d.drops, CMSG_DATA(c), sizeof d.drops);
     } else if (c->cmsg_level == IPPROTO_IP && c->cmsg_type == IP_PKTINFO) {

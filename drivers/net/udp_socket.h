@@ -52,7 +52,7 @@ class DatagramBatch {
   static constexpr std::size_t capacity = 32;
   struct Datagram {
     ByteView payload;
-    std::optional<Stamp> kernel_stamp;
+    std::optional<HostStamp> kernel_stamp;
     Endpoint from;
     IpAddress to;
     bool truncated = false;

@@ -176,7 +176,7 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
     while (batches < batches_per_wakeup && read_batch()) ++batches;
     if (generation != generation_) return;  // the handler stopped the source, or it failed
     note_rate();
-    busy_ && batches == batches_per_wakeup ? wait_for(Span(0)) : wait();
+    busy_&& batches == batches_per_wakeup ? wait_for(Span(0)) : wait();
   }
 
   /// Reads one batch; true if there may be more.
@@ -216,7 +216,7 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
     stats_.bytes += datagram.payload.size();
     Packet& packet = packets_.emplace_back();
     packet.payload = datagram.payload;
-    packet.arrival = datagram.kernel_stamp ? *datagram.kernel_stamp : wall_clock();
+    packet.received = datagram.kernel_stamp ? *datagram.kernel_stamp : wall_clock();
     packet.from = datagram.from;
     packet.to = {datagram.to, port_};
   }
@@ -257,7 +257,7 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
   // Identifies the socket, so that queued handlers of a closed socket return.
   std::uint64_t generation_ = 0;
   bool filtered_ = false;
-  std::optional<Stamp> filling_seen_;
+  std::optional<HostStamp> filling_seen_;
   std::uint32_t drops_ = 0;
   bool busy_ = false;  // read by busy_timer_ instead of the reactor
   std::chrono::steady_clock::time_point rate_begin_;

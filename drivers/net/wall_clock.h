@@ -9,7 +9,7 @@
 namespace lidard {
 
 /// The host's time: the time scale of arrival stamps.
-inline Stamp wall_clock() {
+inline HostStamp wall_clock() {
   return {std::chrono::duration_cast<Span>(std::chrono::system_clock::now().time_since_epoch()).count()};
 }
 
@@ -20,7 +20,7 @@ inline ClockReading read_clocks() {
   best.uncertainty = Span::max();
   for (int i = 0; i < 3; ++i) {
     const Span before = monotonic();
-    const Stamp realtime = wall_clock();
+    const HostStamp realtime = wall_clock();
     const Span took = monotonic() - before;
     if (took < best.uncertainty) best = {realtime, before, took};
     if (took < std::chrono::microseconds(20)) break;

@@ -52,7 +52,7 @@ std::optional<Span> time_of_day(std::string_view text) {
 }
 
 /// DDMMYY as its midnight; years are those from 1980 (the begin of GPS) to 2079.
-std::optional<Stamp> midnight(std::string_view text) {
+std::optional<HostStamp> midnight(std::string_view text) {
   const auto day = digits(text, 0, 2);
   const auto month = digits(text, 2, 2);
   const auto short_year = digits(text, 4, 2);
@@ -64,7 +64,7 @@ std::optional<Stamp> midnight(std::string_view text) {
   const std::int64_t whole = timegm(&date);
   // timegm() accepts the 31st of April as the 1st of May.
   if (date.tm_mday != *day || date.tm_mon != *month - 1) return std::nullopt;
-  return Stamp{} + seconds(whole);
+  return HostStamp{} + seconds(whole);
 }
 
 /// [D]DDMM.mmm and its hemisphere as degrees.
@@ -135,7 +135,7 @@ NmeaVerdict read_rmc(const Fields& f, NmeaReading& reading) {
   reading.utc = *day + *time;
   // 2001-01-01: a sensor without a receiver sends dates of 2000; older dates come from the roll-over of the
   // GPS week.
-  constexpr Stamp earliest{978'307'200'000'000'000};
+  constexpr HostStamp earliest{978'307'200'000'000'000};
   return *day < earliest ? NmeaVerdict::invented_date : NmeaVerdict::valid;
 }
 

@@ -31,8 +31,8 @@ enum class NmeaKind : std::uint8_t { none, rmc, gga };
 struct NmeaReading {
   NmeaVerdict verdict = NmeaVerdict::absent;
   NmeaKind kind = NmeaKind::none;
-  Span time_of_day{0};       ///< since midnight UTC
-  std::optional<Stamp> utc;  ///< RMC only: GGA has no date
+  Span time_of_day{0};           ///< since midnight UTC
+  std::optional<HostStamp> utc;  ///< RMC only: GGA has no date
   FixStatus status = FixStatus::none;
   double latitude_deg = std::numeric_limits<double>::quiet_NaN();
   double longitude_deg = std::numeric_limits<double>::quiet_NaN();

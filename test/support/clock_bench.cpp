@@ -72,9 +72,11 @@ class ClockBench final : public DriverOutput {
   }
   bool is_set(Stamp device) const { return scenario_.step_at && host(device) - start_ >= *scenario_.step_at; }
   /// What the host's clock says then.
-  Stamp realtime(Stamp device) const {
-    return host(device) + (is_set(device) ? span_from_seconds(scenario_.step_s) : Span(0));
+  HostStamp realtime(Stamp device) const {
+    return HostStamp{host(device).ns} + (is_set(device) ? span_from_seconds(scenario_.step_s) : Span(0));
   }
+  /// The same as the stamp of a capture.
+  Stamp recorded(Stamp device) const { return {realtime(device).ns}; }
   ClockReading reading() const { return {realtime(now_), host(now_) - epoch + 1000s, Span(500)}; }
 
   void connect() {
@@ -113,7 +115,7 @@ class ClockBench final : public DriverOutput {
     }
     if (now_ < next_tick_) return;
     next_tick_ = now_ + 20ms;
-    if (online_) driver_->tick(scenario_.recorded ? realtime(now_) : host(now_), *this);
+    if (online_) driver_->tick(scenario_.recorded ? recorded(now_) : host(now_), *this);
   }
 
   /// Nothing overtakes.
@@ -131,7 +133,7 @@ class ClockBench final : public DriverOutput {
     if (clock_->observe(reading()) && !scenario_.recorded) settled_ = host(now_) + settling;
     Packet packet;
     packet.payload = ByteView(sent.bytes);
-    packet.arrival = scenario_.recorded ? realtime(now_) : clock_->steady(realtime(now_), reading());
+    packet.arrival = scenario_.recorded ? recorded(now_) : clock_->steady(realtime(now_), reading());
     packet.transport = is_tcp_ ? Transport::tcp : Transport::udp;
     const std::uint16_t port = sent.port != 0 ? sent.port : find_model(family_.model)->port;
     packet.from = packet.to = {IpAddress(), port};
@@ -143,7 +145,7 @@ class ClockBench final : public DriverOutput {
     const Stamp by_device = unhost(moved ? stamp - span_from_seconds(scenario_.step_s) : stamp);
     const auto truth = device_->truth(by_device, azimuth);
     ++figures_.frames;
-    note_order(moved ? stamp : clock_->realtime(stamp), stamp);
+    note_order(moved ? HostStamp{stamp.ns} : ClockStep(clock_->step()).host(stamp), stamp);
     if (!truth) {
       ++figures_.without_truth;
       return;
@@ -166,7 +168,7 @@ class ClockBench final : public DriverOutput {
   }
 
   /// The stamps as they go out: in order, and with jumps only where the clock was set.
-  void note_order(Stamp out, Stamp inside) {
+  void note_order(HostStamp out, Stamp inside) {
     if (last_out_ && out <= *last_out_) ++figures_.backwards;
     if (last_out_ && std::chrono::abs((out - *last_out_) - (inside - *last_inside_)) > 100ms)
       ++figures_.jumps;
@@ -210,7 +212,8 @@ class ClockBench final : public DriverOutput {
   bool is_tcp_ = false, online_ = false, rebooted_ = false;
   Stamp now_ = epoch, next_tick_ = epoch, back_at_ = epoch, settled_;
   std::deque<DeviceSends> uplink_, on_the_way_;
-  std::optional<Stamp> last_, last_out_, last_inside_;
+  std::optional<Stamp> last_, last_inside_;
+  std::optional<HostStamp> last_out_;
   BenchFigures figures_;
   std::vector<double> errors_;
 };

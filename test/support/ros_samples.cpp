@@ -39,8 +39,8 @@ Cloud sample_cloud(std::size_t points) {
   return cloud;
 }
 
-sensor_msgs::PointCloud2 message_of(Cloud cloud) {
-  const RawMessage made = row_of(roof_points).maker()->make(cloud, Stamp());
+sensor_msgs::PointCloud2 message_of(Cloud cloud, Span step) {
+  const RawMessage made = row_of(roof_points).maker()->make(cloud, Stamp(), ClockStep(step));
   sensor_msgs::PointCloud2 message;
   ros::serialization::IStream stream(made.data.message_start, made.size());
   ros::serialization::deserialize(stream, message);
@@ -55,7 +55,7 @@ GnssFix sample_fix() {
   fix.longitude_deg = -2.40757155;
   fix.altitude_m = 59.5;
   fix.status = FixStatus::sbas;
-  fix.source_time = Stamp{1'700'000'000'000'000'000};
+  fix.source_time = HostStamp{1'700'000'000'000'000'000};
   return fix;
 }
 

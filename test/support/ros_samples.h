@@ -17,8 +17,13 @@ namespace lidard::test {
 PlanarScan sample_scan();
 /// A cloud of 16 rings with `points` distinct points, 0.1 ms apart.
 Cloud sample_cloud(std::size_t points);
-/// The message that the cloud is published as.
-sensor_msgs::PointCloud2 message_of(Cloud cloud);
+/// The message that the cloud is published as, after the host's clock was set by `step`.
+sensor_msgs::PointCloud2 message_of(Cloud cloud, Span step = Span(0));
+/// Converts a frame, where the host's clock was never set.
+template <class Frame, class Message>
+void to_message(const Frame& frame, Message& message) {
+  to_ros(frame, HostStamp{frame.stamp.ns}, message);
+}
 /// A fix with corrections, of known altitude.
 GnssFix sample_fix();
 /// An instant that both clocks tell, from "gps_pps".

@@ -74,10 +74,8 @@ class RosComponent {
 using RosTask = std::function<void(MessageReceiver& pipeline, Stamp received)>;
 using RosPost = std::function<void(Worker worker, RosTask task)>;
 
-/// Step of the host's clock since the beginning: messages have stamps of the host's clock, pipelines use
-/// steady time.
-using HostStep = std::shared_ptr<const std::atomic<Span>>;
-inline HostStep no_step() { return std::make_shared<const std::atomic<Span>>(Span(0)); }
+/// Converts the stamps of messages, which are the host's, to the time of the pipelines.
+using SharedClockStep = std::shared_ptr<const ClockStep>;
 
 /// True until the master was asked and connections had time to come: no publisher counts as missing yet.
 inline bool may_still_come(std::chrono::steady_clock::time_point connected_at) {
@@ -87,7 +85,7 @@ inline bool may_still_come(std::chrono::steady_clock::time_point connected_at) {
 /// Subscribes to the topics of the vehicle's motion: nav_msgs/Odometry, or sensor_msgs/Imu with a speed
 /// (geometry_msgs/TwistStamped), for a worker.
 std::shared_ptr<RosComponent> make_ros_motion(const VehicleConfig& vehicle, Worker worker, RosPost post,
-                                              HostStep step);
+                                              SharedClockStep clock);
 /// dynamic_reconfigure servers of the merged and virtual scans. The callback thread answers requests and
 /// passes on what is accepted. The parameter server is written in the master thread, so that a master that
 /// hangs holds up nobody; dynamic_reconfigure::Server would write it in the answering thread.

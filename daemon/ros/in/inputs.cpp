@@ -112,8 +112,9 @@ struct RosInputs::Source {
   }
 };
 
-RosInputs::RosInputs(const std::vector<TopicSource>& sources, Worker worker, RosPost post, HostStep step)
-    : worker_(worker), post_(std::move(post)), step_(std::move(step)) {
+RosInputs::RosInputs(const std::vector<TopicSource>& sources, Worker worker, RosPost post,
+                     SharedClockStep clock)
+    : worker_(worker), post_(std::move(post)), clock_(std::move(clock)) {
   for (const auto& source : sources) {
     sources_.push_back(std::make_shared<Source>());
     static_cast<TopicSource&>(sources_.back()->report) = source;
@@ -154,45 +155,41 @@ void RosInputs::subscribe(const std::shared_ptr<Source>& source, const std::stri
   using sensor_msgs::LaserScan;
   using sensor_msgs::PointCloud2;
   const auto& packets = VelodyneScanMessage::message_type();
-  const auto use = [sensor = source->report.sensor, step = step_](auto give) {
+  const auto use = [sensor = source->report.sensor, clock = clock_](auto give) {
     return [=](const auto& message, RosTask& task, LeftOut& left_out) {
-      return give(sensor, step->load(), message, task, left_out);
+      return give(sensor, clock, message, task, left_out);
     };
   };
   if (source->report.packets && type == packets.name) {
-    subscribe_as<RawMessage>(packets, source,
-                             use([](auto& sensor, Span step, auto& message, RosTask& task, LeftOut&) {
-                               const ByteView bytes(message->data.message_start, message->size());
-                               task = [=, keeps_bytes = message](auto& to, Stamp received) {
-                                 read_velodyne_scan(bytes, [&](ByteView packet, Stamp arrival) {
-                                   // A missing stamp (1970) is the time of reception.
-                                   const Stamp stamp = arrival == Stamp{} ? received : arrival - step;
-                                   to.packet_message(sensor, {packet, stamp, {}, {}}, received);
-                                 });
-                               };
-                               // Parse it before it is passed on, so that a bad message is counted at once.
-                               return read_velodyne_scan(bytes, [](ByteView, Stamp) {});
-                             }));
+    subscribe_as<RawMessage>(
+        packets, source, use([](auto& sensor, auto& clock, auto& message, RosTask& task, LeftOut&) {
+          const ByteView bytes(message->data.message_start, message->size());
+          task = [=, keeps_bytes = message](auto& to, Stamp received) {
+            read_velodyne_scan(bytes, [&](ByteView packet, HostStamp arrival) {
+              // A missing stamp (1970) is the time of reception.
+              const Stamp stamp = arrival == HostStamp{} ? received : clock->steady(arrival);
+              to.packet_message(sensor, {packet, stamp, {}, {}}, received);
+            });
+          };
+          // Parse it before it is passed on, so that a bad message is counted at once.
+          return read_velodyne_scan(bytes, [](ByteView, HostStamp) {});
+        }));
   } else if (type == type_of<LaserScan>().name && source->accepts(FrameKind::scan)) {
-    subscribe_as<LaserScan>(type_of<LaserScan>(), source,
-                            use([](auto& sensor, Span step, auto& message, RosTask& task, LeftOut& left_out) {
-                              const auto scan = std::make_shared<PlanarScan>();
-                              const char* const error = from_ros(*message, *scan);
-                              scan->stamp = scan->stamp - step;
-                              left_out.intensities = !intensities_fit(*message);
-                              task = [=](auto& to, Stamp received) {
-                                to.scan_message(sensor, *scan, received);
-                              };
-                              return error;
-                            }));
+    subscribe_as<LaserScan>(
+        type_of<LaserScan>(), source,
+        use([](auto& sensor, auto& clock, auto& message, RosTask& task, LeftOut& left_out) {
+          const auto scan = std::make_shared<PlanarScan>();
+          const char* const error = from_ros(*message, *scan, *clock);
+          left_out.intensities = !intensities_fit(*message);
+          task = [=](auto& to, Stamp received) { to.scan_message(sensor, *scan, received); };
+          return error;
+        }));
   } else if (type == type_of<PointCloud2>().name && source->accepts(FrameKind::cloud)) {
     subscribe_as<PointCloud2>(
         type_of<PointCloud2>(), source,
-        use([](auto& sensor, Span step, auto& message, RosTask& task, LeftOut& left_out) {
+        use([](auto& sensor, auto& clock, auto& message, RosTask& task, LeftOut& left_out) {
           const auto cloud = std::make_shared<Cloud>();
-          const CloudReading reading = from_ros(*message, *cloud);
-          cloud->stamp = cloud->stamp - step;
-          cloud->end = cloud->end - step;
+          const CloudReading reading = from_ros(*message, *cloud, *clock);
           left_out.points = reading.dropped;
           task = [=](auto& to, Stamp received) { to.cloud_message(sensor, *cloud, received); };
           return reading.error;

@@ -45,7 +45,8 @@ struct TopicReport : TopicSource {
 /// asked in the master thread; the callback thread converts and hands the result on.
 class RosInputs : public RosComponent {
  public:
-  RosInputs(const std::vector<TopicSource>& sources, Worker worker, RosPost post, HostStep step = no_step());
+  RosInputs(const std::vector<TopicSource>& sources, Worker worker, RosPost post,
+            SharedClockStep clock = std::make_shared<ClockStep>());
   ~RosInputs() override;
 
   void connected(RosCallbackThread& ros) override {
@@ -67,7 +68,7 @@ class RosInputs : public RosComponent {
 
   const Worker worker_;
   const RosPost post_;
-  const HostStep step_;
+  const SharedClockStep clock_;
   std::vector<std::shared_ptr<Source>> sources_;
   RosCallbackThread* ros_ = nullptr;  // while ROS runs
   std::chrono::steady_clock::time_point connected_at_{};

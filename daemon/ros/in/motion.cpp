@@ -16,21 +16,21 @@ namespace {
 
 class RosMotion final : public RosComponent {
  public:
-  RosMotion(const VehicleConfig& vehicle, Worker worker, RosPost post, HostStep step)
+  RosMotion(const VehicleConfig& vehicle, Worker worker, RosPost post, SharedClockStep clock)
       : topics_{vehicle.odometry_topic, vehicle.imu_topic, vehicle.speed_topic},
         worker_(worker),
         post_(std::move(post)),
-        step_(std::move(step)) {}
+        clock_(std::move(clock)) {}
   void connected(RosCallbackThread& ros) override {
     connected_at_ = std::chrono::steady_clock::now();
-    listen<nav_msgs::Odometry>(ros, odometry, [step = step_](const nav_msgs::Odometry& m) {
-      return [stamp = from_ros(m.header.stamp) - step->load(),
+    listen<nav_msgs::Odometry>(ros, odometry, [clock = clock_](const nav_msgs::Odometry& m) {
+      return [stamp = clock->steady(from_ros(m.header.stamp)),
               pose = to_pose(m.pose.pose.position, m.pose.pose.orientation), child = m.child_frame_id](
                  auto& to, Stamp received) { to.pose_message(stamp, pose, child, received); };
     });
-    listen<sensor_msgs::Imu>(ros, imu, [step = step_](const sensor_msgs::Imu& m) {
+    listen<sensor_msgs::Imu>(ros, imu, [clock = clock_](const sensor_msgs::Imu& m) {
       const Eigen::Vector3d rates(m.angular_velocity.x, m.angular_velocity.y, m.angular_velocity.z);
-      return [stamp = from_ros(m.header.stamp) - step->load(), rates, frame = m.header.frame_id](
+      return [stamp = clock->steady(from_ros(m.header.stamp)), rates, frame = m.header.frame_id](
                  auto& to, Stamp received) { to.turn_message(stamp, rates, frame, received); };
     });
     listen<geometry_msgs::TwistStamped>(ros, speed, [](const auto& m) {
@@ -72,7 +72,7 @@ class RosMotion final : public RosComponent {
   const std::string topics_[3];  // empty: none
   const Worker worker_;
   const RosPost post_;
-  const HostStep step_;
+  const SharedClockStep clock_;
   std::atomic<std::uint64_t> messages_[3] = {};
   std::chrono::steady_clock::time_point connected_at_{};
 };
@@ -80,8 +80,8 @@ class RosMotion final : public RosComponent {
 }  // namespace
 
 std::shared_ptr<RosComponent> make_ros_motion(const VehicleConfig& vehicle, Worker worker, RosPost post,
-                                              HostStep step) {
-  return std::make_shared<RosMotion>(vehicle, worker, std::move(post), std::move(step));
+                                              SharedClockStep clock) {
+  return std::make_shared<RosMotion>(vehicle, worker, std::move(post), std::move(clock));
 }
 
 }  // namespace lidard

@@ -29,15 +29,9 @@ constexpr double live_kept_s = 10;
 // A bag is kept completely.
 constexpr double bag_kept_s = 1e7;
 
-bool sample(const tf2::BufferCore& buffer, const std::string& to, const std::string& from, Stamp stamp,
-            std::vector<StampedPose>& poses) {
-  const ros::Time time = to_ros(stamp);
-  if (!buffer.canTransform(to, from, time)) return false;
-  poses.push_back({stamp, to_pose(buffer.lookupTransform(to, from, time).transform)});
-  return true;
-}
-
 }  // namespace
+
+ros::Time BufferPoses::time(Stamp stamp) const { return to_ros(clock_->host(stamp)); }
 
 bool BufferPoses::lookup(const std::string& parent, const std::string& child, Stamp stamp, Pose& pose,
                          std::string& why_not) {
@@ -51,16 +45,16 @@ bool BufferPoses::lookup(const std::string& parent, const std::string& child, St
     pose = Pose::Identity();
     return true;
   }
-  const ros::Time time = to_ros(stamp);
+  const ros::Time at = time(stamp);
   // Checked first: lookupTransform() throws, and unknown poses are common.
   std::string reason;
-  if (!buffer_.canTransform(to, from, time, &reason)) {
+  if (!buffer_.canTransform(to, from, at, &reason)) {
     if (reason.empty()) reason = "tf does not know " + from + " in " + to;
     why_not = reason + "; publish it on tf or configure the pose";
     return false;
   }
   try {
-    pose = to_pose(buffer_.lookupTransform(to, from, time).transform);
+    pose = to_pose(buffer_.lookupTransform(to, from, at).transform);
   } catch (const tf2::TransformException& problem) {
     why_not = problem.what();
     return false;
@@ -73,34 +67,33 @@ void BufferPoses::history(const std::string& parent, const std::string& child, S
   const std::string to = ros_frame(parent);
   const std::string from = ros_frame(child);
   if (to.empty() || from.empty()) return;
+  const auto sample = [&](Stamp stamp) {
+    const ros::Time at = time(stamp);
+    if (buffer_.canTransform(to, from, at))
+      poses.push_back({stamp, to_pose(buffer_.lookupTransform(to, from, at).transform)});
+  };
   try {
     if (!buffer_.canTransform(to, from, ros::Time(0))) return;
-    const Stamp newest = from_ros(buffer_.lookupTransform(to, from, ros::Time(0)).header.stamp);
+    const Stamp newest =
+        clock_->steady(from_ros(buffer_.lookupTransform(to, from, ros::Time(0)).header.stamp));
     const Stamp last = std::min(newest, until);
     if (last >= after && last - after < shortest_step) return;
     // A track that is far ahead belongs to an input that has started again.
     Stamp at = after > last + longest_past ? last - longest_past : std::max(after, last - longest_past);
-    for (at = at + sampling; at < last; at = at + sampling) sample(buffer_, to, from, at, poses);
-    if (last > after || at > after) sample(buffer_, to, from, last, poses);
+    for (at = at + sampling; at < last; at = at + sampling) sample(at);
+    if (last > after || at > after) sample(last);
   } catch (const tf2::TransformException&) {
     // It was overwritten while it was read; the next call reads on.
   }
 }
 
-TfPoses::TfPoses(HostStep step) : BufferPoses(live_kept_s), step_(std::move(step)) {}
+TfPoses::TfPoses(SharedClockStep clock) : BufferPoses(live_kept_s, std::move(clock)) {}
 
 bool TfPoses::lookup(const std::string& parent, const std::string& child, Stamp stamp, Pose& pose,
                      std::string& why_not) {
-  if (BufferPoses::lookup(parent, child, stamp + step_->load(), pose, why_not)) return true;
+  if (BufferPoses::lookup(parent, child, stamp, pose, why_not)) return true;
   if (!listening_) why_not = "no tf: there was no ROS master yet; publish it on tf or configure the pose";
   return false;
-}
-
-void TfPoses::history(const std::string& parent, const std::string& child, Stamp after, Stamp until,
-                      std::vector<StampedPose>& poses) {
-  const std::size_t known = poses.size();
-  BufferPoses::history(parent, child, after + step_->load(), until + step_->load(), poses);
-  for (std::size_t i = known; i < poses.size(); ++i) poses[i].stamp = poses[i].stamp - step_->load();
 }
 
 void TfPoses::connected(RosCallbackThread& ros) {
@@ -110,7 +103,7 @@ void TfPoses::connected(RosCallbackThread& ros) {
 }
 
 BagPoses::BagPoses(const std::string& path, const VehicleConfig& vehicle)
-    : BufferPoses(bag_kept_s), vehicle_(vehicle), is_there_(!path.empty()) {
+    : BufferPoses(bag_kept_s, std::make_shared<ClockStep>()), vehicle_(vehicle), is_there_(!path.empty()) {
   if (!is_there_) return;
   if (path.size() > 4 && path.compare(path.size() - 4, 4, ".csv") == 0)
     read_table(path);
@@ -125,12 +118,13 @@ void BagPoses::read_bag(const std::string& path) {
     for (const auto& transform : message.transforms) {
       buffer_.setTransform(transform, "bag", is_static);
       if (!is_static && ros_frame(transform.header.frame_id) == ros_frame(vehicle_.odometry_frame))
-        moved_.push_back(from_ros(transform.header.stamp));
+        moved_.push_back(clock_->steady(from_ros(transform.header.stamp)));
     }
   };
   const auto use_odometry = [this](const nav_msgs::Odometry& message) {
     const auto& pose = message.pose.pose;
-    odometry_.push_back({from_ros(message.header.stamp), to_pose(pose.position, pose.orientation)});
+    odometry_.push_back(
+        {clock_->steady(from_ros(message.header.stamp)), to_pose(pose.position, pose.orientation)});
     child_ = message.child_frame_id;
   };
   try {
@@ -159,7 +153,7 @@ void BagPoses::read_table(const std::string& path) {
   if (vehicle_.odometry_frame.empty()) return;
   for (const auto& [at, pose] : odometry_) {
     geometry_msgs::TransformStamped moved;
-    moved.header.stamp = to_ros(at), moved.header.frame_id = ros_frame(vehicle_.odometry_frame);
+    moved.header.stamp = time(at), moved.header.frame_id = ros_frame(vehicle_.odometry_frame);
     moved.child_frame_id = ros_frame(vehicle_.base_frame);
     const Eigen::Quaterniond turn(pose.linear());
     moved.transform.translation.x = pose.translation().x(),

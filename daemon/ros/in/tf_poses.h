@@ -5,6 +5,7 @@
 #include <tf2/buffer_core.h>
 
 #include <atomic>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -17,30 +18,31 @@ namespace lidard {
 class BufferPoses : public TransformSource {
  public:
   /// `kept_s`: how long transforms are kept, s.
-  explicit BufferPoses(double kept_s) : buffer_(ros::Duration(kept_s)) {}
+  BufferPoses(double kept_s, SharedClockStep clock)
+      : buffer_(ros::Duration(kept_s)), clock_(std::move(clock)) {}
   bool lookup(const std::string& parent, const std::string& child, Stamp stamp, Pose& pose,
               std::string& why_not) override;
   void history(const std::string& parent, const std::string& child, Stamp after, Stamp until,
                std::vector<StampedPose>& poses) override;
 
  protected:
+  ros::Time time(Stamp stamp) const;
+
   tf2::BufferCore buffer_;
+  const SharedClockStep clock_;
 };
 
 /// Poses from tf. Listens while ROS runs; lookups never wait.
 class TfPoses final : public BufferPoses, public RosComponent {
  public:
-  explicit TfPoses(HostStep step = no_step());
+  explicit TfPoses(SharedClockStep clock = std::make_shared<ClockStep>());
   bool lookup(const std::string& parent, const std::string& child, Stamp stamp, Pose& pose,
               std::string& why_not) override;
-  void history(const std::string& parent, const std::string& child, Stamp after, Stamp until,
-               std::vector<StampedPose>& poses) override;
   void connected(RosCallbackThread& ros) override;
 
  private:
   void disconnected() override { listening_ = false; }
 
-  const HostStep step_;  // tf is stamped with the host's clock, lookups use steady time
   std::atomic<bool> listening_{false};
 };
 

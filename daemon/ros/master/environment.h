@@ -3,11 +3,13 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "core/base/host_clock.h"
 #include "daemon/config/config.h"
 #include "daemon/live/frame_queue.h"
 
@@ -26,6 +28,7 @@ struct RosOptions {
   std::vector<std::string> remappings = {};  ///< "from:=to", "__ns:=…", "__name:=…", "__master:=…"
   ReconfigureNames reconfigure = ReconfigureNames::entries;
   Backpressure backpressure = Backpressure::drop_oldest;
+  std::shared_ptr<const ClockStep> clock_step = std::make_shared<ClockStep>();
   bool clock = false;  ///< publish_clock() will be used
   /// For diagnostics() by wall clock: older items are errors. Empty, as in replay: never.
   std::optional<Span> longest_report_age = {};

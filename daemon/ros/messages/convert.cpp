@@ -12,8 +12,8 @@ namespace {
 constexpr std::int64_t ns_per_s = 1'000'000'000;
 
 template <typename Message>
-void copy_geometry(const PlanarScan& scan, Message& message) {
-  message.header.stamp = to_ros(scan.stamp);
+void copy_geometry(const PlanarScan& scan, HostStamp at, Message& message) {
+  message.header.stamp = to_ros(at);
   message.header.frame_id = ros_frame(scan.frame_id);
   message.angle_min = scan.angle_min;
   message.angle_max = scan.angle_max;
@@ -46,9 +46,10 @@ const std::vector<sensor_msgs::PointField>& cloud_fields() {
 }
 
 template <class AnyCloud>
-void copy_cloud(const AnyCloud& cloud, std::size_t point_step, sensor_msgs::PointCloud2& message) {
+void copy_cloud(const AnyCloud& cloud, HostStamp at, std::size_t point_step,
+                sensor_msgs::PointCloud2& message) {
   const bool organised = cloud.height > 0;
-  message.header.stamp = to_ros(cloud.stamp);
+  message.header.stamp = to_ros(at);
   message.header.frame_id = ros_frame(cloud.frame_id);
   message.height = organised ? cloud.height : 1;
   message.width = static_cast<std::uint32_t>(cloud.size()) / message.height;
@@ -112,21 +113,21 @@ void read_beam(float range, std::size_t i, PlanarScan& scan) {
 
 }  // namespace
 
-ros::Time to_ros(Stamp stamp) {
+ros::Time to_ros(HostStamp stamp) {
   constexpr std::int64_t latest = std::numeric_limits<std::uint32_t>::max() * ns_per_s + (ns_per_s - 1);
   const std::int64_t ns = std::clamp<std::int64_t>(stamp.ns, 0, latest);
   return {static_cast<std::uint32_t>(ns / ns_per_s), static_cast<std::uint32_t>(ns % ns_per_s)};
 }
 
-Stamp from_ros(const ros::Time& time) { return {time.sec * ns_per_s + time.nsec}; }
+HostStamp from_ros(const ros::Time& time) { return {time.sec * ns_per_s + time.nsec}; }
 
 std::string ros_frame(const std::string& frame) {
   const auto first = frame.find_first_not_of('/');
   return first == std::string::npos ? std::string() : frame.substr(first);
 }
 
-void to_ros(const PlanarScan& scan, sensor_msgs::LaserScan& message) {
-  copy_geometry(scan, message);
+void to_ros(const PlanarScan& scan, HostStamp at, sensor_msgs::LaserScan& message) {
+  copy_geometry(scan, at, message);
   const auto beams = static_cast<std::ptrdiff_t>(scan.beams);
   message.ranges.assign(scan.ranges.begin(), scan.ranges.begin() + beams);
   for (std::size_t b = 0; b < scan.beams; ++b) {
@@ -137,8 +138,8 @@ void to_ros(const PlanarScan& scan, sensor_msgs::LaserScan& message) {
   message.intensities.assign(scan.intensities.begin(), scan.intensities.begin() + intensities);
 }
 
-void to_ros(const PlanarScan& scan, sensor_msgs::MultiEchoLaserScan& message) {
-  copy_geometry(scan, message);
+void to_ros(const PlanarScan& scan, HostStamp at, sensor_msgs::MultiEchoLaserScan& message) {
+  copy_geometry(scan, at, message);
   message.ranges.resize(scan.beams);
   message.intensities.resize(scan.intensities.empty() ? 0 : scan.beams);
   for (std::size_t b = 0; b < message.ranges.size(); ++b)
@@ -147,21 +148,21 @@ void to_ros(const PlanarScan& scan, sensor_msgs::MultiEchoLaserScan& message) {
     copy_echoes(scan, scan.intensities, b, message.intensities[b]);
 }
 
-void to_ros(const Cloud& cloud, sensor_msgs::PointCloud2& message) {
-  copy_cloud(cloud, sizeof(CloudPoint), message);
+void to_ros(const Cloud& cloud, HostStamp at, sensor_msgs::PointCloud2& message) {
+  copy_cloud(cloud, at, sizeof(CloudPoint), message);
 }
 
-void to_ros(const MergedCloud& cloud, sensor_msgs::PointCloud2& message) {
-  copy_cloud(cloud, sizeof(MergedPoint), message);
+void to_ros(const MergedCloud& cloud, HostStamp at, sensor_msgs::PointCloud2& message) {
+  copy_cloud(cloud, at, sizeof(MergedPoint), message);
   if (message.fields.size() == cloud_fields().size())
     message.fields.push_back(field("sensor", offsetof(MergedPoint, sensor), sensor_msgs::PointField::UINT16));
 }
 
-void to_ros(const std::vector<StaticTransform>& transforms, Stamp stamp, tf2_msgs::TFMessage& message) {
+void to_ros(const std::vector<StaticTransform>& transforms, HostStamp at, tf2_msgs::TFMessage& message) {
   message.transforms.clear();
   for (const auto& transform : transforms) {
     geometry_msgs::TransformStamped made;
-    made.header.stamp = to_ros(stamp);
+    made.header.stamp = to_ros(at);
     made.header.frame_id = ros_frame(transform.parent);
     made.child_frame_id = ros_frame(transform.child);
     const Eigen::Vector3d xyz = transform.pose.translation();
@@ -192,9 +193,9 @@ void to_ros(const DiagnosticItem& item, diagnostic_msgs::DiagnosticStatus& statu
   }
 }
 
-void to_ros(const std::vector<DiagnosticItem>& items, const std::string& node, Stamp stamp,
+void to_ros(const std::vector<DiagnosticItem>& items, const std::string& node, HostStamp at,
             diagnostic_msgs::DiagnosticArray& message) {
-  message.header.stamp = to_ros(stamp);
+  message.header.stamp = to_ros(at);
   message.status.clear();
   for (const auto& item : items) {
     message.status.emplace_back();
@@ -207,10 +208,10 @@ bool intensities_fit(const sensor_msgs::LaserScan& message) {
   return message.intensities.empty() || message.intensities.size() == message.ranges.size();
 }
 
-const char* from_ros(const sensor_msgs::LaserScan& message, PlanarScan& scan) {
+const char* from_ros(const sensor_msgs::LaserScan& message, PlanarScan& scan, const ClockStep& clock) {
   const bool with_intensities = !message.intensities.empty() && intensities_fit(message);
   scan.frame_id = ros_frame(message.header.frame_id);
-  scan.stamp = from_ros(message.header.stamp);
+  scan.stamp = clock.steady(from_ros(message.header.stamp));
   scan.reset(message.ranges.size(), 1, with_intensities);
   if (message.ranges.empty()) return nullptr;
   if (const char* wrong = what_is_wrong(message)) return wrong;

@@ -12,29 +12,31 @@
 #include <string>
 #include <vector>
 
+#include "core/base/host_clock.h"
 #include "daemon/pipeline/sink.h"
 
 namespace lidard {
 
 /// A stamp as ROS has it. ros::Time reaches from 1970 to 2106; stamps outside are moved to its nearest end.
-ros::Time to_ros(Stamp stamp);
+ros::Time to_ros(HostStamp stamp);
 /// A ROS time as a stamp.
-Stamp from_ros(const ros::Time& time);
+HostStamp from_ros(const ros::Time& time);
 /// A frame name without leading slashes: tf2 refuses them.
 std::string ros_frame(const std::string& frame);
 
-/// A scan (its first echo) as sensor_msgs/LaserScan. The message's buffers are reused.
-void to_ros(const PlanarScan& scan, sensor_msgs::LaserScan& message);
+/// A scan (its first echo) as sensor_msgs/LaserScan. The message's buffers are reused. `at`: the frame's own
+/// stamp on the host's clock, here and below.
+void to_ros(const PlanarScan& scan, HostStamp at, sensor_msgs::LaserScan& message);
 /// A scan as sensor_msgs/MultiEchoLaserScan: each beam holds its first echo, hit or not, and the further
 /// hits.
-void to_ros(const PlanarScan& scan, sensor_msgs::MultiEchoLaserScan& message);
+void to_ros(const PlanarScan& scan, HostStamp at, sensor_msgs::MultiEchoLaserScan& message);
 /// A cloud as sensor_msgs/PointCloud2, but for its data.
-void to_ros(const Cloud& cloud, sensor_msgs::PointCloud2& message);
-void to_ros(const MergedCloud& cloud, sensor_msgs::PointCloud2& message);
+void to_ros(const Cloud& cloud, HostStamp at, sensor_msgs::PointCloud2& message);
+void to_ros(const MergedCloud& cloud, HostStamp at, sensor_msgs::PointCloud2& message);
 /// Fixed transforms as tf2_msgs/TFMessage.
-void to_ros(const std::vector<StaticTransform>& transforms, Stamp stamp, tf2_msgs::TFMessage& message);
+void to_ros(const std::vector<StaticTransform>& transforms, HostStamp at, tf2_msgs::TFMessage& message);
 /// Status items as diagnostic_msgs/DiagnosticArray; names are prefixed "`node`: " (REP 107).
-void to_ros(const std::vector<DiagnosticItem>& items, const std::string& node, Stamp stamp,
+void to_ros(const std::vector<DiagnosticItem>& items, const std::string& node, HostStamp at,
             diagnostic_msgs::DiagnosticArray& message);
 /// One of them without its name; the status has no values yet.
 void to_ros(const DiagnosticItem& item, diagnostic_msgs::DiagnosticStatus& status);
@@ -45,7 +47,8 @@ void to_ros(const DiagnosticItem& item, diagnostic_msgs::DiagnosticStatus& statu
 /// down and is kept when it agrees with the angles. One beam more or less than by the angles is rounding and
 /// accepted. A message without ranges gives a `scan` without beams. Intensities of another number than the
 /// ranges are left out.
-const char* from_ros(const sensor_msgs::LaserScan& message, PlanarScan& scan);
+const char* from_ros(const sensor_msgs::LaserScan& message, PlanarScan& scan,
+                     const ClockStep& clock = ClockStep());
 /// False if the message has intensities, but not one for each range.
 bool intensities_fit(const sensor_msgs::LaserScan& message);
 
@@ -69,6 +72,7 @@ struct CloudReading {
 /// Reads another driver's cloud: fields in any order, of any type and byte order, with padding; `ring`,
 /// `intensity` and `time` (float, s after the stamp) are 0 where the message has none. The cloud has no
 /// columns.
-CloudReading from_ros(const sensor_msgs::PointCloud2& message, Cloud& cloud);
+CloudReading from_ros(const sensor_msgs::PointCloud2& message, Cloud& cloud,
+                      const ClockStep& clock = ClockStep());
 
 }  // namespace lidard

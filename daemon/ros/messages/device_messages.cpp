@@ -17,12 +17,12 @@ void copy_vector(const Eigen::Vector3d& from, geometry_msgs::Vector3& to) {
 
 }  // namespace
 
-void to_ros(const GnssFix& fix, sensor_msgs::NavSatFix& message) {
+void to_ros(const GnssFix& fix, HostStamp at, sensor_msgs::NavSatFix& message) {
   using Status = sensor_msgs::NavSatStatus;
   static_assert(Status::STATUS_FIX == Status::STATUS_NO_FIX + 1 &&
                 Status::STATUS_SBAS_FIX == Status::STATUS_NO_FIX + 2 &&
                 Status::STATUS_GBAS_FIX == Status::STATUS_NO_FIX + 3);
-  message.header.stamp = to_ros(fix.stamp);
+  message.header.stamp = to_ros(at);
   message.header.frame_id = ros_frame(fix.frame_id);
   message.status.status = static_cast<std::int8_t>(Status::STATUS_NO_FIX + static_cast<int>(fix.status));
   message.status.service = Status::SERVICE_GPS;
@@ -32,14 +32,14 @@ void to_ros(const GnssFix& fix, sensor_msgs::NavSatFix& message) {
   message.position_covariance_type = sensor_msgs::NavSatFix::COVARIANCE_TYPE_UNKNOWN;
 }
 
-void to_ros(const TimeReference& reference, sensor_msgs::TimeReference& message) {
-  message.header.stamp = to_ros(reference.stamp);
+void to_ros(const TimeReference& reference, HostStamp at, sensor_msgs::TimeReference& message) {
+  message.header.stamp = to_ros(at);
   message.time_ref = to_ros(reference.reference);
   message.source = reference.source;
 }
 
-void to_ros(const ImuSample& sample, sensor_msgs::Imu& message) {
-  message.header.stamp = to_ros(sample.stamp);
+void to_ros(const ImuSample& sample, HostStamp at, sensor_msgs::Imu& message) {
+  message.header.stamp = to_ros(at);
   message.header.frame_id = ros_frame(sample.frame_id);
   message.orientation = geometry_msgs::Quaternion();
   // sensor_msgs/Imu: -1, there is no orientation; all zero, its covariance is not known.
@@ -54,8 +54,8 @@ void to_ros(const ImuSample& sample, sensor_msgs::Imu& message) {
   copy_vector(sample.linear_acceleration, message.linear_acceleration);
 }
 
-void to_ros(const DeviceState& state, diagnostic_msgs::DiagnosticArray& message) {
-  message.header.stamp = to_ros(state.stamp);
+void to_ros(const DeviceState& state, HostStamp at, diagnostic_msgs::DiagnosticArray& message) {
+  message.header.stamp = to_ros(at);
   message.header.frame_id = ros_frame(state.frame_id);
   message.status.resize(1);
   auto& status = message.status.front();

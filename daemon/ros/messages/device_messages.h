@@ -11,12 +11,12 @@
 
 namespace lidard {
 
-/// The covariance is unknown.
-void to_ros(const GnssFix& fix, sensor_msgs::NavSatFix& message);
-void to_ros(const TimeReference& reference, sensor_msgs::TimeReference& message);
+/// `at`: the message's own stamp on the host's clock. The covariance is unknown.
+void to_ros(const GnssFix& fix, HostStamp at, sensor_msgs::NavSatFix& message);
+void to_ros(const TimeReference& reference, HostStamp at, sensor_msgs::TimeReference& message);
 /// The covariances are unknown.
-void to_ros(const ImuSample& sample, sensor_msgs::Imu& message);
+void to_ros(const ImuSample& sample, HostStamp at, sensor_msgs::Imu& message);
 /// One status of an array, which has a stamp and needs no message package of ours; `topic` is its name.
-void to_ros(const DeviceState& state, diagnostic_msgs::DiagnosticArray& message);
+void to_ros(const DeviceState& state, HostStamp at, diagnostic_msgs::DiagnosticArray& message);
 
 }  // namespace lidard

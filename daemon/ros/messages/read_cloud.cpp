@@ -147,7 +147,7 @@ std::size_t read_points(const sensor_msgs::PointCloud2& m, const Layout& layout,
 
 }  // namespace
 
-CloudReading from_ros(const sensor_msgs::PointCloud2& message, Cloud& cloud) {
+CloudReading from_ros(const sensor_msgs::PointCloud2& message, Cloud& cloud, const ClockStep& clock) {
   CloudReading reading;
   Layout layout;
   reading.error = find_fields(message, layout);
@@ -155,7 +155,7 @@ CloudReading from_ros(const sensor_msgs::PointCloud2& message, Cloud& cloud) {
   if (reading.error != nullptr) return reading;
   cloud.clear();
   cloud.frame_id = ros_frame(message.header.frame_id);
-  cloud.stamp = from_ros(message.header.stamp);
+  cloud.stamp = clock.steady(from_ros(message.header.stamp));
   cloud.rings = 0;
   cloud.complete = true;
   cloud.end = cloud.stamp;

@@ -38,7 +38,7 @@ bool BagSink::attempt(const Step& step) {
 void BagSink::write(const std::string& topic, Stamp released, const RawMessage& message, bool latched) {
   const std::string name = (topic.compare(0, 1, "/") == 0 ? "" : "/") + topic;
   // A bag refuses the time 0 (ros::TIME_MIN).
-  const ros::Time time = std::max(to_ros(released), ros::TIME_MIN);
+  const ros::Time time = std::max(to_ros(clock_.host(released)), ros::TIME_MIN);
   if (bag_ && attempt([&] { bag_->write(name, time, message, latched); })) ++messages_;
 }
 
@@ -58,18 +58,18 @@ BagSink::~BagSink() {
 void BagSink::publish(const OutputTopic& topic, const Payload& payload, Stamp released) {
   auto& maker = makers_[topic.name];
   if (maker == nullptr) maker = row_of(topic).maker();
-  write(topic.name, released, maker->make(payload, released));
+  write(topic.name, released, maker->make(payload, released, clock_));
 }
 
 void BagSink::transforms(const std::vector<StaticTransform>& transforms, Stamp released) {
   if (!transforms.empty())
-    write("/tf_static", released, transforms_maker()->make(transforms, released), true);
+    write("/tf_static", released, transforms_maker()->make(transforms, released, clock_), true);
 }
 
 void BagSink::diagnostics(const std::vector<DiagnosticItem>& items, Stamp released) {
   if (items.empty()) return;
   diagnostic_msgs::DiagnosticArray message;
-  to_ros(items, "lidard", released, message);
+  to_ros(items, "lidard", clock_.host(released), message);
   write("/diagnostics", released, raw(message));
 }
 

@@ -50,8 +50,9 @@ class BagSink : public FrameSink {
   void write(const std::string& topic, Stamp released, const RawMessage& message, bool latched = false);
 
   const std::string path_;
+  const ClockStep clock_;                                        // a replay has one time scale
   std::map<std::string, std::unique_ptr<MessageMaker>> makers_;  // by topic
-  std::unique_ptr<BagFile> bag_;  // nullptr: closed, or given up
+  std::unique_ptr<BagFile> bag_;                                 // nullptr: closed, or given up
   std::size_t messages_ = 0;
   std::string error_;
 };

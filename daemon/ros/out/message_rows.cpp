@@ -34,14 +34,14 @@ template <class Frame, class Message>
 class MakerOf final : public MessageMaker {
  public:
   const MessageType& type() const override { return type_of<Message>(); }
-  RawMessage make(const Payload& payload, Stamp released) override {
+  RawMessage make(const Payload& payload, Stamp released, const ClockStep& clock) override {
     auto& frame = frame_in<Frame>(payload);
     if constexpr (std::is_same_v<Frame, std::vector<StaticTransform>>)
-      to_ros(frame, released, message_);
+      to_ros(frame, clock.host(released), message_);
     else if constexpr (std::is_same_v<Frame, Stamp>)
-      message_.clock = to_ros(frame);
+      message_.clock = to_ros(clock.host(frame));
     else
-      to_ros(frame, message_);
+      to_ros(frame, clock.host(frame.stamp), message_);
     return raw(message_);
   }
 
@@ -54,9 +54,9 @@ template <class AnyCloud>
 class MakerOf<AnyCloud, sensor_msgs::PointCloud2> final : public MessageMaker {
  public:
   const MessageType& type() const override { return type_of<sensor_msgs::PointCloud2>(); }
-  RawMessage make(const Payload& payload, Stamp /*released*/) override {
+  RawMessage make(const Payload& payload, Stamp /*released*/, const ClockStep& clock) override {
     AnyCloud& cloud = *std::get<AnyCloud*>(payload);
-    to_ros(cloud, message_);
+    to_ros(cloud, clock.host(cloud.stamp), message_);
     message_.data.clear();
     const RawMessage without_data = raw(message_);
     // What follows the data is `is_dense`.

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <memory>
 
+#include "core/base/host_clock.h"
 #include "daemon/pipeline/sink.h"
 #include "daemon/ros/messages/raw_message.h"
 
@@ -15,9 +16,9 @@ class MessageMaker {
  public:
   virtual ~MessageMaker() = default;
   virtual const MessageType& type() const = 0;
-  /// `payload` must be of the topic's type. The message holds the points of a cloud where they are, and the cloud gets
-  /// other memory.
-  virtual RawMessage make(const Payload& payload, Stamp released) = 0;
+  /// `payload` must be of the topic's type. The message holds the points of a cloud where they are, and the
+  /// cloud gets other memory.
+  virtual RawMessage make(const Payload& payload, Stamp released, const ClockStep& clock) = 0;
 };
 
 /// Publication of a kind of topic.

@@ -87,12 +87,12 @@ ros::Publisher PublisherThread::Output::make() const {
                         [flag = has_subscribers](const ros::SingleSubscriberPublisher&) { *flag = true; });
 }
 
-void PublisherThread::Output::send(const Payload& payload, Stamp released) {
+void PublisherThread::Output::send(const Payload& payload, Stamp released, const ClockStep& clock) {
   if (latched) return publisher.publish(*latest);
   if (publisher.getNumSubscribers() == 0) return;
   // ros::Publisher::publish() does just this, but makes the message while roscpp holds the lock of all topics
   // (a cloud would hold up the scans), and hides the buffer, which shows when all sockets have it.
-  ros::SerializedMessage serialized = maker->make(payload, released).data;
+  ros::SerializedMessage serialized = maker->make(payload, released, clock).data;
   ros::TopicManager::instance()->publish(
       publisher.getTopic(), [&] { return serialized; }, serialized);
   // Frees the memory of sent messages: a cloud has 10 MB.
@@ -123,6 +123,7 @@ PublisherThread::PublisherThread(const RosOptions& options, ThreadWatch& watch, 
     : block_(options.backpressure == Backpressure::block),
       with_clock_(options.clock),
       watch_(watch),
+      clock_step_(options.clock_step),
       worker_(worker),
       number_(worker == Worker::clouds ? ThreadWatch::publishing_clouds : ThreadWatch::publishing),
       on_diagnostics_(std::move(on_diagnostics)),
@@ -274,7 +275,7 @@ void PublisherThread::run() {
     if (block_) wait_for_subscribers_of(*frame);
     const bool sent = send(*frame);
     ++(sent ? published_ : without_ros_);
-    sent ? queue_.published(frame, wall_clock()) : queue_.done(frame);
+    sent ? queue_.published(frame, clock_step_->steady(wall_clock())) : queue_.done(frame);
   }
 }
 
@@ -282,9 +283,9 @@ void PublisherThread::run() {
 bool PublisherThread::send(QueuedFrame& frame) {
   Output& output = output_of(frame);
   const std::lock_guard lock(send_mutex_);
-  if (output.latched) output.latest = output.maker->make(frame.payload(), frame.released);
+  if (output.latched) output.latest = output.maker->make(frame.payload(), frame.released, *clock_step_);
   if (!ready_ || !ros::ok() || !output.publisher) return false;
-  output.send(frame.payload(), frame.released);
+  output.send(frame.payload(), frame.released, *clock_step_);
   return true;
 }
 

@@ -60,8 +60,6 @@ class PublisherThread final : public FrameSink {
   void diagnostics(const std::vector<DiagnosticItem>& items, Stamp) override { on_diagnostics_(items); }
   /// The time of a replay, on /clock.
   void publish_clock(Stamp now) { queue_.push(clock_.slot, now, now); }
-  /// Sets the step of the host's clock: FrameQueue::set_step().
-  void set_step(Span step) { queue_.set_step(step); }
 
   // For the master thread; these three may wait for the master.
   /// Advertises new topics, and withdraws removed ones.
@@ -92,7 +90,7 @@ class PublisherThread final : public FrameSink {
     Output(std::string name, std::unique_ptr<MessageMaker> makes, std::size_t queue_slot, std::size_t depth);
 
     ros::Publisher make() const;
-    void send(const Payload& payload, Stamp released);
+    void send(const Payload& payload, Stamp released, const ClockStep& clock);
     std::size_t in_flight();
     bool loses() const;
 
@@ -125,6 +123,7 @@ class PublisherThread final : public FrameSink {
 
   const bool block_, with_clock_;
   ThreadWatch& watch_;
+  const std::shared_ptr<const ClockStep> clock_step_;
   const Worker worker_;
   const ThreadWatch::Thread number_;
   const OnDiagnostics on_diagnostics_;

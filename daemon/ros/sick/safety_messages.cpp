@@ -25,7 +25,7 @@ const MessageType& ExtendedScanMessage::message_type() {
   return type;
 }
 
-void to_ros(const DeviceState& state, OutputPathsMessage& message) {
+void to_ros(const DeviceState& state, HostStamp /*at*/, OutputPathsMessage& message) {
   message.status.clear(), message.is_safe.clear(), message.is_valid.clear();
   // The values of the paths come in turn, path 1 first.
   const auto belongs = [](std::string_view name, std::string_view begin) {
@@ -44,9 +44,9 @@ void to_ros(const DeviceState& state, OutputPathsMessage& message) {
   }
 }
 
-void to_ros(const PlanarScan& scan, ExtendedScanMessage& message) {
+void to_ros(const PlanarScan& scan, HostStamp at, ExtendedScanMessage& message) {
   namespace flag = sick::ms3_beam;
-  to_ros(scan, message.laser_scan);
+  to_ros(scan, at, message.laser_scan);
   for (auto* flags : {&message.reflector, &message.reflector_median, &message.intrusion})
     flags->assign(scan.beams, 0);
   if (scan.flags.empty()) return;

@@ -47,8 +47,8 @@ struct ExtendedScanMessage : CarriedMessage {
 };
 
 /// The state on the topic output_paths of a safety scanner (SafetyTopics).
-void to_ros(const DeviceState& state, OutputPathsMessage& message);
+void to_ros(const DeviceState& state, HostStamp at, OutputPathsMessage& message);
 /// A scan of a safety scanner with the flags of its beams.
-void to_ros(const PlanarScan& scan, ExtendedScanMessage& message);
+void to_ros(const PlanarScan& scan, HostStamp at, ExtendedScanMessage& message);
 
 }  // namespace lidard

@@ -19,7 +19,7 @@ constexpr std::size_t record = stamp_bytes + velodyne::packet_size;
 /// A scan of a VLS-128 in dual return mode at 300 rpm has 3618 packets.
 constexpr std::size_t most_packets = 20000;
 
-Stamp stamp_at(ByteView bytes, std::size_t at) {
+HostStamp stamp_at(ByteView bytes, std::size_t at) {
   return {std::int64_t{bytes.le32(at)} * 1'000'000'000 + std::int64_t{bytes.le32(at + 4)}};
 }
 
@@ -43,9 +43,9 @@ const char* read_velodyne_scan(ByteView message, const OnPacket& on_packet) {
   return nullptr;
 }
 
-void to_ros(const RawPackets& packets, VelodyneScanMessage& message) {
+void to_ros(const RawPackets& packets, HostStamp at, VelodyneScanMessage& message) {
   std_msgs::Header header;
-  header.stamp = to_ros(packets.stamp);
+  header.stamp = to_ros(at);
   header.frame_id = ros_frame(packets.frame_id);
   const std::size_t count = packets.arrivals.size();
   std::vector<std::uint8_t>& bytes = message.bytes;
@@ -54,7 +54,7 @@ void to_ros(const RawPackets& packets, VelodyneScanMessage& message) {
   stream.next(header);
   stream.next(static_cast<std::uint32_t>(count));
   for (std::size_t i = 0; i < count; ++i) {
-    stream.next(to_ros(packets.stamp + packets.arrivals[i]));
+    stream.next(to_ros(at + packets.arrivals[i]));
     std::memcpy(stream.advance(velodyne::packet_size), packets.bytes.data() + i * velodyne::packet_size,
                 velodyne::packet_size);
   }

@@ -29,7 +29,7 @@ struct VelodyneScanMessage : CarriedMessage {
 };
 
 /// Called with each data packet and when the sender of the message received it.
-using OnPacket = std::function<void(ByteView payload, Stamp arrival)>;
+using OnPacket = std::function<void(ByteView payload, HostStamp arrival)>;
 
 /// Reads a VelodyneScan: a header, then a list of a stamp and 1206 bytes each
 /// (velodyne_msgs/VelodyneScan.msg, VelodynePacket.msg). Returns nullptr, or the fault of the message; then
@@ -37,6 +37,6 @@ using OnPacket = std::function<void(ByteView payload, Stamp arrival)>;
 const char* read_velodyne_scan(ByteView message, const OnPacket& on_packet);
 
 /// The packets of a Velodyne as a message.
-void to_ros(const RawPackets& packets, VelodyneScanMessage& message);
+void to_ros(const RawPackets& packets, HostStamp at, VelodyneScanMessage& message);
 
 }  // namespace lidard

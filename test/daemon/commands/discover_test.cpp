@@ -118,7 +118,7 @@ TEST(Discover, ListsWhatAnswersOnLoopback) {
   ust.product = "UST-20LX";
   sim::DeviceServer device({here, 0},
                            std::make_unique<sim::ScipDevice>(
-                               ust, [](Stamp) { return std::vector<sim::ScipStep>(); }, wall_clock()));
+                               ust, [](Stamp) { return std::vector<sim::ScipStep>(); }, sim::now_of_host()));
   Responder responder(sick_answer());
   DiscoverOptions options;
   options.places = {{&hokuyo::discovery(), {here, device.port()}},

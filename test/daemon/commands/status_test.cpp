@@ -17,7 +17,7 @@ using std::chrono::microseconds;
 DaemonState sample_state() {
   DaemonState state;
   state.node = "/lidard";
-  state.now = Stamp{1'700'000'000'250'000'000};
+  state.now = HostStamp{1'700'000'000'250'000'000};
   state.uptime = std::chrono::hours(25);
   state.summary = "1/1 lidars";
   DiagnosticItem item;
@@ -39,9 +39,9 @@ DaemonState sample_state() {
 TEST(Status, IsJsonWhateverDevicesSay) {
   Journal journal([](const Event&) {});
   for (int i = 0; i < 12; ++i)
-    journal.add({Stamp{1'700'000'000'000'000'000 + i * 1'000'000L}, "sensor " + std::to_string(i),
+    journal.add({HostStamp{1'700'000'000'000'000'000 + i * 1'000'000L}, "sensor " + std::to_string(i),
                  Health::warn, std::to_string(i)});
-  journal.add({Stamp{1'700'000'000'011'000'000}, "sensor 11", Health::warn, "11"});
+  journal.add({HostStamp{1'700'000'000'011'000'000}, "sensor 11", Health::warn, "11"});
   const Json said = Json::parse(status_json(sample_state(), journal));
   EXPECT_EQ(said["at"], "2023-11-14T22:13:20.250Z");
   EXPECT_EQ(said["uptime_s"], 25 * 3600);
@@ -60,7 +60,7 @@ TEST(Status, IsJsonWhateverDevicesSay) {
 TEST(Events, AreAllThatTheJournalHas) {
   Journal journal([](const Event&) {});
   for (std::size_t i = 0; i < Journal::most_events + 3; ++i)
-    journal.add({Stamp{}, "sensor " + std::to_string(i), Health::ok, "back"});
+    journal.add({HostStamp{}, "sensor " + std::to_string(i), Health::ok, "back"});
   const Json said = Json::parse(events_json(journal));
   EXPECT_EQ(said["forgotten"], 3);
   EXPECT_EQ(said["events"].size(), Journal::most_events);

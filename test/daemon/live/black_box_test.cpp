@@ -50,7 +50,7 @@ class BlackBoxTest : public ::testing::Test {
     std::string answer;
     box.dump([&](const std::string& said) { answer = said; });
     for (int i = 0; i < 10000 && answer.empty(); ++i) {
-      box.poll(now, step, [&] { return events; });
+      box.poll(now, HostStamp{now.ns} + step, [&] { return events; });
       std::this_thread::sleep_for(milliseconds(1));
     }
     EXPECT_NE(answer, "");
@@ -60,10 +60,10 @@ class BlackBoxTest : public ::testing::Test {
   bool writes(BlackBox& box, Stamp now) {
     const std::size_t before = said_.size();
     bool begun = false;
-    box.poll(now, Span(0), [&] { return begun = true, "why"; });
+    box.poll(now, HostStamp{now.ns}, [&] { return begun = true, "why"; });
     for (int i = 0; i < 10000 && begun && said_.size() == before; ++i) {
       std::this_thread::sleep_for(milliseconds(1));
-      box.poll(now, Span(0), [] { return ""; });
+      box.poll(now, HostStamp{now.ns}, [] { return ""; });
     }
     EXPECT_EQ(said_.size(), before + (begun ? 1 : 0));
     return begun;

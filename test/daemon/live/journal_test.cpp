@@ -9,8 +9,8 @@
 namespace lidard {
 namespace {
 
-constexpr Stamp journal_start{1'700'000'000'000'000'000};
-Stamp at(double s) { return journal_start + span_from_seconds(s); }
+constexpr HostStamp journal_start{1'700'000'000'000'000'000};
+HostStamp at(double s) { return journal_start + span_from_seconds(s); }
 
 struct Bench {
   void see(double s, Health health, const std::string& message, const std::string& name = "front") {
@@ -125,7 +125,7 @@ TEST(Journal, OfABadHourHasAFewRowsWithEveryIncidentAmongThem) {
   const auto& events = bench.journal.events();
   EXPECT_LE(events.size(), 60U);
   EXPECT_EQ(bench.journal.forgotten(), 0U);
-  const auto found = [&](const std::string& source, Health health, Stamp when) {
+  const auto found = [&](const std::string& source, Health health, HostStamp when) {
     return std::any_of(events.begin(), events.end(), [&](const Event& event) {
       return event.source == source && event.health == health && event.first == when && event.at == when;
     });

@@ -15,7 +15,7 @@
 
 namespace lidard::test {
 
-inline Stamp wall_clock() {
+inline Stamp now_of_host() {
   return Stamp{std::chrono::duration_cast<Span>(std::chrono::system_clock::now().time_since_epoch()).count()};
 }
 
@@ -24,14 +24,20 @@ struct LiveBench {
   explicit LiveBench(const Config& config, const TcpOptions& options = {})
       : pipeline(config, poses, sink),
         links(io, config,
-              {[this](std::size_t sensor, const Packet& packet) { pipeline.chunk(sensor, packet); },
-               [this](std::size_t sensor, Stamp now) { pipeline.connected(sensor, now); },
+              {[this](std::size_t sensor, Packet packet) {
+                 packet.arrival = {packet.received.ns};
+                 pipeline.chunk(sensor, packet);
+               },
+               [this](std::size_t sensor, HostStamp at) { pipeline.connected(sensor, {at.ns}); },
                [this](std::size_t sensor) { pipeline.disconnected(sensor); },
                [this](std::size_t sensor) { return pipeline.frames(sensor); },
                [this](std::size_t) { return host_trouble; }},
               options),
-        ports(io, config, [this](const std::vector<Packet>& packets) {
-          for (const Packet& packet : packets) pipeline.packet(packet);
+        ports(io, config, [this](std::vector<Packet>& packets) {
+          for (Packet& packet : packets) {
+            packet.arrival = {packet.received.ns};
+            pipeline.packet(packet);
+          }
         }) {
     pipeline.set_links(&links);
     links.start();
@@ -44,7 +50,7 @@ struct LiveBench {
     do {
       io.restart();
       io.run_for(std::chrono::milliseconds(5));
-      pipeline.tick(wall_clock());
+      pipeline.tick(now_of_host());
       links.tick();
       meanwhile();
     } while (std::chrono::steady_clock::now() < end);

@@ -32,7 +32,7 @@ struct Scanner {
     return copy;
   }
   void send_if_due() {
-    const Stamp now = wall_clock();
+    const Stamp now = now_of_host();
     if (!powered || now - last < 30ms) return;
     last = now;
     const auto output = settings().current;

@@ -46,7 +46,7 @@ TEST(SensorLoop, ShowsThatItLivesWhileItCatchesUp) {
   model.make = [](const DriverConfig&) -> std::unique_ptr<Driver> { return std::make_unique<SlowDriver>(); };
   Config config;
   config.sensors.push_back(line_sensor(model, "front", IpAddress::v4(127, 0, 0, 1)));
-  DaemonClock clock([](Span) {});
+  DaemonClock clock;
   BlackBox box({}, [](bool, const std::string&) {});
   NoTransforms poses;
   RecordingSink sink{false};

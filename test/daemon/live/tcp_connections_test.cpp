@@ -67,7 +67,7 @@ TEST(TcpConnections, SayWhyThereIsNoConnectionInTheSensorsDiagnosticsToo) {
   t.b.run(milliseconds(300));
   EXPECT_THAT(t.b.message(0), HasSubstr("refuses the connection"));
   EXPECT_EQ(t.b.items().at(0).is_up, false);
-  const auto items = t.b.pipeline.diagnostics(wall_clock());
+  const auto items = t.b.pipeline.diagnostics(now_of_host());
   EXPECT_EQ(items[0].health, Health::error);
   EXPECT_THAT(items[0].message, HasSubstr("refuses the connection"));
 }
@@ -136,7 +136,7 @@ TEST(TcpConnections, DialWhatStreamsOverUdpOnlyWhenItsDriverAsks) {
   ask.payload = ByteView("ask");
   ask.from = {this_host, 5000};
   ask.to.port = 6060;
-  ask.arrival = wall_clock();
+  ask.arrival = now_of_host();
   b.pipeline.packet(ask);
   ASSERT_TRUE(b.until([&] { return b.driver.dialogues == 1 && peer.accept(); }));
   ASSERT_TRUE(peer.send("done\n"));
@@ -161,7 +161,7 @@ TEST(TcpConnections, DialTheSenderWhereNoAddressIsConfiguredAndNobodyInListenOnl
     ask.payload = ByteView("ask");
     ask.from = {this_host, 5000};
     ask.to.port = 6060;
-    ask.arrival = wall_clock();
+    ask.arrival = now_of_host();
     b.pipeline.packet(ask);
     b.run(milliseconds(100));
     EXPECT_EQ(b.driver.dialogues, listen_only ? 0 : 1);
@@ -244,7 +244,7 @@ TEST(TcpConnections, LoseNothingOfOtherSensorsAndLeakNothingWhileOneDisconnectsA
       ASSERT_LT(Clock::now(), limit) << i;
       turn();
     }
-    if (i % 100 == 0) b.pipeline.tick(wall_clock());
+    if (i % 100 == 0) b.pipeline.tick(now_of_host());
     i % 2 == 0 ? peer.reset_client() : peer.close_client();
   }
   b.run(milliseconds(100));

@@ -72,7 +72,7 @@ struct WebBench final : LiveBench {
   WebBench(WebServer& web, bool write) : LiveBench(config_of(web, write)), server(web) {}
   void meanwhile() override { server.serve(); }
   DiagnosticItem control() {
-    for (const DiagnosticItem& item : pipeline.diagnostics(wall_clock())) {
+    for (const DiagnosticItem& item : pipeline.diagnostics(now_of_host())) {
       if (item.name == "sensor roof control") return item;
     }
     ADD_FAILURE() << "nothing is told of the settings";
@@ -90,8 +90,8 @@ TEST(VelodyneLive, IsAskedAndSetWithAConnectionForEachRequest) {
   WebServer server;
   WebBench bench(server, true);
   ASSERT_TRUE(bench.until([&] { return server.sensor.get("config.rpm") == "1200"; }));
-  EXPECT_THAT(server.sensor.requests(), ElementsAre("GET /cgi/snapshot.hdl", "GET /cgi/status.json",
-                                                    "POST /cgi/setting rpm=1200"));
+  EXPECT_THAT(server.sensor.requests(),
+              ElementsAre("GET /cgi/snapshot.hdl", "GET /cgi/status.json", "POST /cgi/setting rpm=1200"));
   EXPECT_EQ(server.connections, 3U);
   EXPECT_EQ(bench.control().hardware_id, "AG29999999");
 }

@@ -55,7 +55,7 @@ struct Room {
   sensor_msgs::LaserScan message(const std::string& frame) const {
     sensor_msgs::LaserScan m;
     m.header.frame_id = frame;
-    m.header.stamp = to_ros(now);
+    m.header.stamp = to_ros(HostStamp{now.ns});
     m.angle_min = static_cast<float>(-M_PI / 2);
     m.angle_max = static_cast<float>(M_PI / 2);
     m.angle_increment = static_cast<float>(M_PI / 180);

@@ -13,6 +13,7 @@
 #include "test/sim/servers/velodyne_stream.h"
 #include "test/support/allocations.h"
 #include "test/support/recording_sink.h"
+#include "test/support/ros_samples.h"
 
 namespace lidard {
 namespace {
@@ -78,10 +79,10 @@ TEST(RawPackets, ReadBackByAnotherPipelineGiveTheSameClouds) {
   Roof from_topic("packet_topic: raw");
   for (const RawPackets& one : direct.raw()) {
     VelodyneScanMessage message;
-    to_ros(one, message);
+    test::to_message(one, message);
     const char* const wrong =
-        read_velodyne_scan({message.bytes.data(), message.bytes.size()}, [&](ByteView payload, Stamp arrival) {
-          from_topic.pipeline.packet_message("roof", {payload, arrival, {}, {}}, arrival);
+        read_velodyne_scan({message.bytes.data(), message.bytes.size()}, [&](ByteView payload, HostStamp at) {
+          from_topic.pipeline.packet_message("roof", {payload, {at.ns}, {}, {}}, {at.ns});
         });
     EXPECT_EQ(wrong, nullptr);
   }
@@ -139,7 +140,7 @@ TEST(RawPackets, UseNoNewMemoryOnTheirWayToRosAfterTheFirstRevolutions) {
     collector.clear();
     QueuedFrame* const frame = queue.pop(Span(0));
     ASSERT_NE(frame, nullptr);
-    to_ros(std::get<RawPackets>(std::get<DeviceMessage>(frame->content)), message);
+    test::to_message(std::get<RawPackets>(std::get<DeviceMessage>(frame->content)), message);
     queue.done(frame);
   }
   EXPECT_EQ(test::allocations() - before, 0U);

@@ -155,7 +155,8 @@ TEST(TelemetryTopics, CarryNoStatesThatNobodyAskedFor) {
 
 TEST(TelemetryTopics, HoldAStateAsDiagnosticStatus) {
   diagnostic_msgs::DiagnosticArray message;
-  to_ros(DeviceState{"encoder", "/laser", Stamp{1'500'000'000}, {{"ticks", 42}, {"speed", 0.25}}}, message);
+  test::to_message(DeviceState{"encoder", "/laser", Stamp{1'500'000'000}, {{"ticks", 42}, {"speed", 0.25}}},
+                   message);
   EXPECT_EQ(message.header.stamp, ros::Time(1, 500'000'000));
   EXPECT_EQ(message.header.frame_id, "laser");
   ASSERT_EQ(message.status.size(), 1U);

@@ -79,7 +79,7 @@ TEST_F(Bags, HoldTheVeryMessagesAtTheTimeOfTheirRelease) {
   ASSERT_EQ(view.size(), 3U);
   EXPECT_EQ(view.begin()->getTime(), ros::Time(1'700'000'001, 0));
   sensor_msgs::LaserScan expected;
-  to_ros(sample_scan(), expected);
+  test::to_message(sample_scan(), expected);
   for (const auto& scan : read<sensor_msgs::LaserScan>(bag, "/front/scan")) {
     ASSERT_NE(scan, nullptr);
     EXPECT_EQ(scan->header.stamp, expected.header.stamp);

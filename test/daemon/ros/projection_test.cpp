@@ -12,6 +12,7 @@
 #include "daemon/ros/messages/convert.h"
 #include "test/sim/world/flat_world.h"
 #include "test/sim/world/units.h"
+#include "test/support/ros_samples.h"
 
 namespace lidard {
 namespace {
@@ -73,7 +74,7 @@ struct Scene {
     }
     merger.merge({measured.stamp}, std::vector<char>(scanners.size(), 1), {{profile, &merged}}, nullptr);
     sensor_msgs::LaserScan message;
-    to_ros(merged, message);
+    test::to_message(merged, message);
     sensor_msgs::PointCloud2 cloud;
     laser_geometry::LaserProjection().projectLaser(message, cloud);
     std::vector<double> distances;

@@ -1,7 +1,5 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/ros/connection.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <ros/xmlrpc_manager.h>
@@ -11,6 +9,7 @@
 #include <iostream>
 #include <thread>
 
+#include "daemon/ros/connection.h"
 #include "daemon/ros/master/environment.h"
 #include "daemon/ros/master/master_client.h"
 #include "daemon/ros/messages/convert.h"
@@ -68,7 +67,7 @@ TEST(RosConnection, PublishesScansEchoesCloudsAndLatchedTransforms) {
     master.start();
     RosConnection connection({}, sample_topics());
     connection.sink().transforms({{"base_link", "front_laser", make_pose({1, 0, 0}, {0, 0, 0})}},
-                          Stamp{1'000'000'000});
+                                 Stamp{1'000'000'000});
     connection.start();
     ASSERT_TRUE(connection.wait_for_subscribers(3, 30s));
     connection.sink().publish(test::front_scan, sample_scan(), Stamp{1});
@@ -80,7 +79,7 @@ TEST(RosConnection, PublishesScansEchoesCloudsAndLatchedTransforms) {
     const auto scan = scans.take(1);
     ASSERT_EQ(scan.size(), 1U);
     sensor_msgs::LaserScan expected;
-    to_ros(sample_scan(), expected);
+    test::to_message(sample_scan(), expected);
     EXPECT_EQ(scan[0].header.stamp, expected.header.stamp);
     EXPECT_EQ(scan[0].header.frame_id, "front_laser");
     EXPECT_EQ(scan[0].intensities, expected.intensities);
@@ -107,7 +106,8 @@ TEST(RosConnection, PublishesFixesTimeReferencesAndImuSamples) {
     ASSERT_TRUE(connection.wait_for_subscribers(3, 30s));
     connection.sink().publish(test::roof_fix, DeviceMessage(test::sample_fix()), Stamp{1});
     connection.sink().publish(test::roof_time, DeviceMessage(test::sample_time_reference()), Stamp{1});
-    for (int i = 0; i < 20; ++i) connection.sink().publish(test::roof_imu, DeviceMessage(test::sample_imu()), Stamp{1});
+    for (int i = 0; i < 20; ++i)
+      connection.sink().publish(test::roof_imu, DeviceMessage(test::sample_imu()), Stamp{1});
 
     const auto fix = fixes.take(1);
     ASSERT_EQ(fix.size(), 1U);

@@ -25,14 +25,14 @@ TEST(DiagnosticsToRos, EveryHealthHasItsLevel) {
                                           {"c", "", Health::error, "", {}},
                                           {"d", "", Health::stale, "", {}}};
   diagnostic_msgs::DiagnosticArray message;
-  to_ros(items, "lidard", Stamp{3'000'000'000}, message);
+  to_ros(items, "lidard", HostStamp{3'000'000'000}, message);
   ASSERT_EQ(message.status.size(), 4U);
   for (std::size_t i = 0; i < 4; ++i) {
     EXPECT_EQ(message.status[i].level, static_cast<int>(i)) << message.status[i].name;
     EXPECT_EQ(message.status[i].name, "lidard: " + items[i].name);
   }
   EXPECT_EQ(message.header.stamp, ros::Time(3, 0));
-  to_ros({items[1]}, "other", Stamp{1}, message);
+  to_ros({items[1]}, "other", HostStamp{1}, message);
   ASSERT_EQ(message.status.size(), 1U) << "what was in the message before is gone";
   EXPECT_EQ(message.status[0].level, 1);
   EXPECT_EQ(message.status[0].name, "other: b");
@@ -40,7 +40,7 @@ TEST(DiagnosticsToRos, EveryHealthHasItsLevel) {
 
 TEST(DiagnosticsToRos, KeepsEveryValueInItsOrder) {
   diagnostic_msgs::DiagnosticArray message;
-  to_ros({{"a", "SN", Health::ok, "m", {{"z", "1"}, {"a", "2"}, {"z", "3"}}}}, "n", Stamp{1}, message);
+  to_ros({{"a", "SN", Health::ok, "m", {{"z", "1"}, {"a", "2"}, {"z", "3"}}}}, "n", HostStamp{1}, message);
   ASSERT_EQ(message.status.at(0).values.size(), 3U);
   EXPECT_EQ(message.status[0].values[0].key + message.status[0].values[0].value, "z1");
   EXPECT_EQ(message.status[0].values[1].key + message.status[0].values[1].value, "a2");
@@ -52,11 +52,11 @@ TEST(ScanToRos, WritesEachStatusAsItsOutputWantsIt) {
   scan.none_as = 41;
   scan.invalid_as = 0;
   sensor_msgs::LaserScan message;
-  to_ros(scan, message);
+  test::to_message(scan, message);
   EXPECT_EQ(message.ranges, (std::vector<float>{1, 41, -inf, 0, 40}));
   scan.none_as = -inf;
   scan.invalid_as = inf;
-  to_ros(scan, message);
+  test::to_message(scan, message);
   EXPECT_EQ(message.ranges, (std::vector<float>{1, -inf, -inf, inf, 40}));
 }
 
@@ -71,21 +71,21 @@ TEST(ScanToRos, HoldsTheFirstEchoOfEachBeamAlone) {
     scan.intensities[scan.index(beam, 1)] = 200 + static_cast<float>(beam);
   }
   sensor_msgs::LaserScan message;
-  to_ros(scan, message);
+  test::to_message(scan, message);
   EXPECT_EQ(message.ranges, (std::vector<float>{1, 2, 3}));
   EXPECT_EQ(message.intensities, (std::vector<float>{100, 101, 102}));
   sensor_msgs::MultiEchoLaserScan echoes;
-  to_ros(scan, echoes);
+  test::to_message(scan, echoes);
   ASSERT_EQ(echoes.ranges.size(), 3U);
   EXPECT_EQ(echoes.ranges[2].echoes, (std::vector<float>{3, 13}));
   EXPECT_EQ(echoes.intensities[1].echoes, (std::vector<float>{101, 201}));
   // A beam whose first echo is no hit has that alone; a second one that is none is left out.
   scan.set_without_hit(scan.index(1, 1), BeamStatus::none);
-  to_ros(scan, echoes);
+  test::to_message(scan, echoes);
   EXPECT_EQ(echoes.ranges[1].echoes, (std::vector<float>{2}));
   EXPECT_EQ(echoes.intensities[1].echoes, (std::vector<float>{101}));
   scan.intensities.clear();
-  to_ros(scan, echoes);
+  test::to_message(scan, echoes);
   EXPECT_TRUE(echoes.intensities.empty());
   EXPECT_EQ(echoes.header.frame_id, "front_laser");
   EXPECT_EQ(echoes.angle_max, 1);
@@ -101,7 +101,7 @@ std::string complaint(const sensor_msgs::LaserScan& message) {
 }
 sensor_msgs::LaserScan limits_message() {
   sensor_msgs::LaserScan message;
-  to_ros(test::sample_scan(), message);
+  test::to_message(test::sample_scan(), message);
   return message;
 }
 
@@ -194,7 +194,7 @@ TEST(TransformsToRos, HoldARotationThatTurnsAVectorAsThePoseDoes) {
     const Pose pose =
         make_pose({any(random), any(random), any(random)}, {any(random), any(random), any(random)});
     tf2_msgs::TFMessage message;
-    to_ros({{"base", "/laser", pose}, {"base", "other", pose}}, Stamp{5}, message);
+    to_ros({{"base", "/laser", pose}, {"base", "other", pose}}, HostStamp{5}, message);
     ASSERT_EQ(message.transforms.size(), 2U);
     EXPECT_EQ(message.transforms[0].child_frame_id, "laser");
     const auto& q = message.transforms[0].transform.rotation;
@@ -210,14 +210,14 @@ TEST(ImuToRos, HoldsAnOrientationWhereTheDeviceTellsOne) {
   ImuSample sample = test::sample_imu();
   sample.orientation = Eigen::Quaterniond(0.5, -0.5, 0.1, 0.7);
   sensor_msgs::Imu message;
-  to_ros(test::sample_imu(), message);
-  to_ros(sample, message);
+  test::to_message(test::sample_imu(), message);
+  test::to_message(sample, message);
   EXPECT_EQ(message.orientation.w, 0.5);
   EXPECT_EQ(message.orientation.x, -0.5);
   EXPECT_EQ(message.orientation.y, 0.1);
   EXPECT_EQ(message.orientation.z, 0.7);
   EXPECT_EQ(message.orientation_covariance[0], 0) << "-1 would say that there is none";
-  to_ros(test::sample_imu(), message);
+  test::to_message(test::sample_imu(), message);
   EXPECT_EQ(message.orientation.w, 0);
   EXPECT_EQ(message.orientation.z, 0);
   EXPECT_EQ(message.orientation_covariance[0], -1);
@@ -225,8 +225,9 @@ TEST(ImuToRos, HoldsAnOrientationWhereTheDeviceTellsOne) {
 
 TEST(StateToRos, OfAMessageThatIsUsedAgainHoldsItsOwnValuesAlone) {
   diagnostic_msgs::DiagnosticArray message;
-  to_ros(DeviceState{"outputs", "laser", Stamp{1}, {{"one", 1}, {"two", 2}, {"three", 3}}}, message);
-  to_ros(DeviceState{"fields", "laser", Stamp{2}, {{"four", -0.5}}}, message);
+  test::to_message(DeviceState{"outputs", "laser", Stamp{1}, {{"one", 1}, {"two", 2}, {"three", 3}}},
+                   message);
+  test::to_message(DeviceState{"fields", "laser", Stamp{2}, {{"four", -0.5}}}, message);
   ASSERT_EQ(message.status.size(), 1U);
   EXPECT_EQ(message.status[0].name, "fields");
   ASSERT_EQ(message.status[0].values.size(), 1U);

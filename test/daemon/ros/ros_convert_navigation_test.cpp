@@ -12,7 +12,7 @@ namespace {
 
 TEST(FixToRos, CopiesEveryFieldAndKnowsNoCovariance) {
   sensor_msgs::NavSatFix message;
-  to_ros(test::sample_fix(), message);
+  test::to_message(test::sample_fix(), message);
   EXPECT_EQ(message.header.stamp, ros::Time(1'700'000'000, 367'120'000));
   EXPECT_EQ(message.header.frame_id, "velodyne");
   EXPECT_EQ(message.latitude, 36.82913093);
@@ -30,7 +30,7 @@ TEST(FixToRos, TellsHowThePositionWasFound) {
     GnssFix fix;
     fix.status = given;
     sensor_msgs::NavSatFix message;
-    to_ros(fix, message);
+    test::to_message(fix, message);
     return message.status.status;
   };
   EXPECT_EQ(status(FixStatus::none), Status::STATUS_NO_FIX);
@@ -41,8 +41,8 @@ TEST(FixToRos, TellsHowThePositionWasFound) {
 
 TEST(FixToRos, WithoutAPositionIsNotANumber) {
   sensor_msgs::NavSatFix message;
-  to_ros(test::sample_fix(), message);
-  to_ros(GnssFix{}, message);
+  test::to_message(test::sample_fix(), message);
+  test::to_message(GnssFix{}, message);
   EXPECT_TRUE(std::isnan(message.latitude));
   EXPECT_TRUE(std::isnan(message.longitude));
   EXPECT_TRUE(std::isnan(message.altitude));
@@ -51,7 +51,7 @@ TEST(FixToRos, WithoutAPositionIsNotANumber) {
 
 TEST(TimeReferenceToRos, HoldsBothClocksAndTheSource) {
   sensor_msgs::TimeReference message;
-  to_ros(test::sample_time_reference(), message);
+  test::to_message(test::sample_time_reference(), message);
   EXPECT_EQ(message.header.stamp, ros::Time(1'700'000'000, 709'121'000));
   EXPECT_EQ(message.time_ref, ros::Time(1'700'000'000, 342'001'000));
   EXPECT_EQ(message.source, "gps_pps");
@@ -59,7 +59,7 @@ TEST(TimeReferenceToRos, HoldsBothClocksAndTheSource) {
 
 TEST(ImuToRos, HasNoOrientation) {
   sensor_msgs::Imu message;
-  to_ros(test::sample_imu(), message);
+  test::to_message(test::sample_imu(), message);
   EXPECT_EQ(message.header.stamp, ros::Time(1'700'000'000, 380'293'000));
   EXPECT_EQ(message.header.frame_id, "velodyne");
   EXPECT_EQ(message.orientation_covariance[0], -1);

@@ -1,7 +1,5 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/ros/messages/convert.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,6 +7,7 @@
 #include <limits>
 #include <optional>
 
+#include "daemon/ros/messages/convert.h"
 #include "daemon/ros/out/message_rows.h"
 #include "test/sim/world/units.h"
 #include "test/support/ros_samples.h"
@@ -16,20 +15,39 @@
 namespace lidard {
 namespace {
 
+using namespace std::chrono_literals;
 using test::sample_cloud;
 using test::sample_scan;
 
 sensor_msgs::LaserScan sample_message() {
   sensor_msgs::LaserScan message;
-  to_ros(sample_scan(), message);
+  test::to_message(sample_scan(), message);
   return message;
 }
 
+TEST(MessageRows, StampEveryMessageByTheHostsClockAndReadItBack) {
+  const ClockStep clock(-5s);
+  const Cloud cloud = test::sample_cloud(3);
+  const sensor_msgs::PointCloud2 message = test::message_of(cloud, -5s);
+  EXPECT_EQ(message.header.stamp, to_ros(HostStamp{(cloud.stamp - 5s).ns}));
+  Cloud read;
+  ASSERT_EQ(from_ros(message, read, clock).error, nullptr);
+  EXPECT_EQ(read.stamp, cloud.stamp);
+  const DeviceMessage reference = test::sample_time_reference();
+  const RawMessage made = row_of(test::roof_time).maker()->make(reference, Stamp(), clock);
+  sensor_msgs::TimeReference sent;
+  ros::serialization::IStream stream(made.data.message_start, made.size());
+  ros::serialization::deserialize(stream, sent);
+  EXPECT_EQ(sent.header.stamp, to_ros(HostStamp{(test::sample_time_reference().stamp - 5s).ns}));
+  EXPECT_EQ(sent.time_ref, to_ros(test::sample_time_reference().reference)) << "the other clock was not set";
+}
+
 TEST(RosTime, KeepsNanosecondsAndMovesWhatRosCannotHoldToTheNearestEnd) {
-  EXPECT_EQ(to_ros(Stamp{1'600'000'000'123'456'789}), ros::Time(1'600'000'000, 123'456'789));
-  EXPECT_EQ(from_ros(to_ros(Stamp{1'600'000'000'123'456'789})).ns, 1'600'000'000'123'456'789);
-  EXPECT_EQ(to_ros(Stamp{-5}), ros::Time(0, 0));
-  EXPECT_EQ(to_ros(Stamp{std::numeric_limits<std::int64_t>::max()}), ros::Time(4294967295U, 999'999'999U));
+  EXPECT_EQ(to_ros(HostStamp{1'600'000'000'123'456'789}), ros::Time(1'600'000'000, 123'456'789));
+  EXPECT_EQ(from_ros(to_ros(HostStamp{1'600'000'000'123'456'789})).ns, 1'600'000'000'123'456'789);
+  EXPECT_EQ(to_ros(HostStamp{-5}), ros::Time(0, 0));
+  EXPECT_EQ(to_ros(HostStamp{std::numeric_limits<std::int64_t>::max()}),
+            ros::Time(4294967295U, 999'999'999U));
 }
 
 TEST(RosFrame, NeverBeginsWithASlash) {
@@ -63,7 +81,7 @@ TEST(ScanToRos, HasNoIntensitiesWhereTheScanHasNone) {
   scan.intensities.clear();
   sensor_msgs::LaserScan message;
   message.intensities.resize(3);
-  to_ros(scan, message);
+  test::to_message(scan, message);
   EXPECT_TRUE(message.intensities.empty());
 }
 
@@ -76,7 +94,7 @@ TEST(ScanToRos, GivesEachBeamItsEchoes) {
   scan.intensities[scan.index(0, 1)] = 7;
   scan.set_without_hit(scan.index(1, 0), BeamStatus::none);
   sensor_msgs::MultiEchoLaserScan message;
-  to_ros(scan, message);
+  test::to_message(scan, message);
   ASSERT_EQ(message.ranges.size(), 2U);
   EXPECT_EQ(message.ranges[0].echoes, (std::vector<float>{2, 3}));
   EXPECT_EQ(message.intensities[0].echoes, (std::vector<float>{0, 7}));
@@ -207,18 +225,18 @@ TEST(CloudToRos, TheMessageHoldsThePointsWhereTheyAreAndTheirMemoryIsUsedAgain) 
   };
   fill();
   const std::uint8_t* const points = cloud.points_bytes.data();
-  std::optional<RawMessage> first = maker->make(cloud, Stamp());
+  std::optional<RawMessage> first = maker->make(cloud, Stamp(), ClockStep());
   EXPECT_GT(points, first->data.message_start);
   EXPECT_LT(points, first->data.message_start + first->size());
   EXPECT_NE(cloud.points_bytes.data(), points);
   fill();
-  const RawMessage second = maker->make(cloud, Stamp());
+  const RawMessage second = maker->make(cloud, Stamp(), ClockStep());
   EXPECT_NE(cloud.points_bytes.data(), points) << "a message that is on its way keeps its points";
   EXPECT_EQ(second.size(), first->size());
   EXPECT_EQ(std::memcmp(second.data.message_start, first->data.message_start, second.size()), 0);
   first.reset();
   fill();
-  maker->make(cloud, Stamp());
+  maker->make(cloud, Stamp(), ClockStep());
   EXPECT_EQ(cloud.points_bytes.data(), points);
 }
 
@@ -237,7 +255,7 @@ TEST(CloudToRos, AFrameOfAnyLengthIsNamed) {
 TEST(TransformsToRos, KeepTranslationAndRotation) {
   const StaticTransform transform{"/base_link", "laser", make_pose({1, 2, 3}, {0, 0, M_PI / 2})};
   tf2_msgs::TFMessage message;
-  to_ros({transform}, Stamp{1'000'000'000}, message);
+  to_ros({transform}, HostStamp{1'000'000'000}, message);
   ASSERT_EQ(message.transforms.size(), 1U);
   EXPECT_EQ(message.transforms[0].header.frame_id, "base_link");
   EXPECT_EQ(message.transforms[0].child_frame_id, "laser");
@@ -250,7 +268,7 @@ TEST(TransformsToRos, KeepTranslationAndRotation) {
 TEST(DiagnosticsToRos, KeepLevelNameAndValues) {
   diagnostic_msgs::DiagnosticArray message;
   to_ros({{"front", "SN1", Health::stale, "no data; check the cable", {{"IP Port", "6060"}}}}, "lidard",
-         Stamp{1}, message);
+         HostStamp{1}, message);
   ASSERT_EQ(message.status.size(), 1U);
   EXPECT_EQ(message.status[0].name, "lidard: front");
   EXPECT_EQ(message.status[0].hardware_id, "SN1");

@@ -1,7 +1,5 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/ros/in/inputs.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <ros/ros.h>
@@ -12,8 +10,9 @@
 
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/ros/connection.h"
-#include "daemon/ros/messages/convert.h"
+#include "daemon/ros/in/inputs.h"
 #include "daemon/ros/in/tf_poses.h"
+#include "daemon/ros/messages/convert.h"
 #include "test/support/ros_master.h"
 #include "test/support/ros_samples.h"
 #include "test/support/starved.h"
@@ -106,7 +105,7 @@ void expect_to_stop(RosConnection& connection) {
 
 sensor_msgs::LaserScan scan_message() {
   sensor_msgs::LaserScan message;
-  to_ros(test::sample_scan(), message);
+  test::to_message(test::sample_scan(), message);
   return message;
 }
 

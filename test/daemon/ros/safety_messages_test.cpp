@@ -8,6 +8,7 @@
 #include "daemon/ros/out/message_rows.h"
 #include "test/daemon/config/config_support.h"
 #include "test/support/allocations.h"
+#include "test/support/ros_samples.h"
 
 namespace lidard {
 namespace {
@@ -32,10 +33,10 @@ TEST(SafetyMessages, OutputPathsTravelAsListsOfTruthValues) {
                   {"is_safe_2", 1},
                   {"is_valid_2", 1}};
   OutputPathsMessage message;
-  to_ros(state, message);
+  test::to_message(state, message);
   const Bytes expected{2, 0, 0, 0, 1, 0, 2, 0, 0, 0, 0, 1, 2, 0, 0, 0, 1, 1, 2, 1, 0, 0};
   EXPECT_EQ(bytes_of(message), expected);
-  to_ros(state, message);
+  test::to_message(state, message);
   EXPECT_EQ(bytes_of(message), expected) << "a message is filled again and again";
 }
 
@@ -54,13 +55,13 @@ PlanarScan scan_with(const Bytes& flags) {
 TEST(SafetyMessages, FlagsOfBeamsStandBesideTheScan) {
   ExtendedScanMessage message;
   // valid, reflector, contamination, and what SICK does not describe
-  to_ros(scan_with({0x01, 0x09, 0x09, 0x09, 0x11, 0x19, 0xc1, 0x09}), message);
+  test::to_message(scan_with({0x01, 0x09, 0x09, 0x09, 0x11, 0x19, 0xc1, 0x09}), message);
   EXPECT_EQ(message.laser_scan.header.frame_id, "left");
   EXPECT_EQ(message.laser_scan.ranges.size(), 8U);
   EXPECT_THAT(message.reflector, ElementsAre(0, 1, 1, 1, 0, 1, 0, 1));
   EXPECT_THAT(message.intrusion, ElementsAre(0, 0, 0, 0, 1, 1, 0, 0));
   EXPECT_THAT(message.reflector_median, ElementsAre(0, 0, 1, 0, 0, 1, 0, 0));
-  to_ros(scan_with({}), message);
+  test::to_message(scan_with({}), message);
   EXPECT_THAT(message.reflector, ElementsAre(0, 0, 0, 0, 0, 0, 0, 0));
   EXPECT_EQ(message.reflector_median, message.reflector);
   EXPECT_EQ(message.intrusion, message.reflector);
@@ -71,7 +72,7 @@ TEST(SafetyMessages, TheMiddleOfARunIsTheOneThatSickSafetyscannersMarks) {
     Bytes flags;
     for (const auto one : reflectors) flags.push_back(one != 0 ? 0x09 : 0x01);
     ExtendedScanMessage message;
-    to_ros(scan_with(flags), message);
+    test::to_message(scan_with(flags), message);
     return message.reflector_median;
   };
   // What getMedianReflectors() does with them, step by step by hand: a run of two marks the second, and one
@@ -83,9 +84,9 @@ TEST(SafetyMessages, TheMiddleOfARunIsTheOneThatSickSafetyscannersMarks) {
 TEST(SafetyMessages, ABeamMoreOrLessAllocatesNothingAfterWarmUp) {
   const PlanarScan scan = scan_with({0x01, 0x09, 0x09, 0x09, 0x11, 0x19, 0xc1, 0x09});
   ExtendedScanMessage message;
-  to_ros(scan, message);
+  test::to_message(scan, message);
   const std::uint64_t before = test::allocations();
-  to_ros(scan, message);
+  test::to_message(scan, message);
   EXPECT_EQ(test::allocations() - before, 0U);
 }
 

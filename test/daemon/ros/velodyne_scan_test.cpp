@@ -108,7 +108,7 @@ std::vector<std::uint8_t> bytes_of(const test::VelodyneScan& scan) {
 
 const char* read(const std::vector<std::uint8_t>& bytes, std::size_t& taken) {
   taken = 0;
-  return read_velodyne_scan({bytes.data(), bytes.size()}, [&](ByteView, Stamp) { ++taken; });
+  return read_velodyne_scan({bytes.data(), bytes.size()}, [&](ByteView, HostStamp) { ++taken; });
 }
 
 TEST(VelodyneScanMessage, HandsOnEveryPacketWithItsStamp) {
@@ -117,8 +117,8 @@ TEST(VelodyneScanMessage, HandsOnEveryPacketWithItsStamp) {
   std::size_t at = 3;
   EXPECT_EQ(
       read_velodyne_scan({bytes.data(), bytes.size()},
-                         [&](ByteView payload, Stamp arrival) {
-                           EXPECT_EQ(arrival, all[at].arrival);
+                         [&](ByteView payload, HostStamp arrival) {
+                           EXPECT_EQ(arrival.ns, all[at].arrival.ns);
                            EXPECT_TRUE(std::equal(payload.begin(), payload.end(), all[at].payload.begin()));
                            ++at;
                          }),
@@ -156,12 +156,12 @@ struct Listening {
   std::mutex mutex;
   std::vector<RosTask> waiting;
   RosConnection connection{{}, {}};
-  std::shared_ptr<RosInputs> inputs = std::make_shared<RosInputs>(
-      std::vector<TopicSource>{{"roof", "/velodyne_packets", true}}, Worker::sensors,
-      [this](Worker, RosTask task) {
-        const std::lock_guard lock(mutex);
-        waiting.push_back(std::move(task));
-      });
+  std::shared_ptr<RosInputs> inputs =
+      std::make_shared<RosInputs>(std::vector<TopicSource>{{"roof", "/velodyne_packets", true}},
+                                  Worker::sensors, [this](Worker, RosTask task) {
+                                    const std::lock_guard lock(mutex);
+                                    waiting.push_back(std::move(task));
+                                  });
 
   Listening() {
     connection.add(inputs);

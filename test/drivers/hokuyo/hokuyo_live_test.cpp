@@ -35,8 +35,11 @@ class Live : public DriverOutput {
     options.device = {IpAddress::v4(127, 0, 0, 1), server.port()};
     options.read_time_out = 1s;
     TcpHandlers handlers;
-    handlers.receive = [this](const Packet& packet) { driver->receive(packet, *this); };
-    handlers.connected = [this](Stamp now) { driver->connected(now, *this); };
+    handlers.receive = [this](Packet packet) {
+      packet.arrival = {packet.received.ns};
+      driver->receive(packet, *this);
+    };
+    handlers.connected = [this](HostStamp at) { driver->connected({at.ns}, *this); };
     handlers.disconnected = [this] { driver->disconnected(); };
     source = std::make_unique<TcpSource>(io, options, handlers);
     source->start();
@@ -74,7 +77,7 @@ class Live : public DriverOutput {
     timer.expires_after(20ms);
     timer.async_wait([this](const boost::system::error_code& error) {
       if (error) return;
-      driver->tick(wall_clock(), *this);
+      driver->tick(sim::now_of_host(), *this);
       tick();
     });
   }
@@ -86,7 +89,7 @@ std::unique_ptr<sim::TcpDevice> ust() {
   options.clock_ppm = 100;
   options.transit.jitter = 5ms;
   return std::make_unique<sim::ScipDevice>(
-      options, [](Stamp) { return scip_wall(1081); }, wall_clock() - 100s);
+      options, [](Stamp) { return scip_wall(1081); }, sim::now_of_host() - 100s);
 }
 
 std::unique_ptr<sim::TcpDevice> uam() {
@@ -95,7 +98,7 @@ std::unique_ptr<sim::TcpDevice> uam() {
       [](Stamp, std::size_t beams) {
         return std::vector<sim::UamBeam>(beams, {1500, 100});
       },
-      wall_clock() - 100s);
+      sim::now_of_host() - 100s);
 }
 
 const Endpoint loopback{IpAddress::v4(127, 0, 0, 1), 0};
@@ -124,7 +127,8 @@ TEST(HokuyoLive, ComesBackWithinTwoSecondsWhateverHappensToTheConnection) {
       {"reset", [](DeviceServer& server) { server.drop(true); }},
       {"power cycle", [](DeviceServer& server) {
          server.switch_off();
-         server.with<sim::ScipDevice>([](sim::ScipDevice& device) { device.power_cycle(wall_clock()); });
+         server.with<sim::ScipDevice>(
+             [](sim::ScipDevice& device) { device.power_cycle(sim::now_of_host()); });
        }}};
   DeviceServer server(loopback, ust());
   Live live("hokuyo_ust_10lx", server);

@@ -41,7 +41,7 @@ struct Bench {
                   last = packet;
                   if (on_receive) on_receive();
                 },
-                [this](Stamp) {
+                [this](HostStamp) {
                   ++connects;
                   if (on_connect) on_connect();
                 },
@@ -95,7 +95,7 @@ TEST(TcpSource, CarriesBytesBothWaysWithEndpointsAndKernelStamp) {
   EXPECT_NE(b.last.to.port, 0);
   EXPECT_TRUE(b.last.stream_start);
   const double sent_s = std::chrono::duration<double>(sent.time_since_epoch()).count();
-  EXPECT_NEAR(seconds(Span(b.last.arrival.ns)), sent_s, 0.03 + late);
+  EXPECT_NEAR(seconds(Span(b.last.received.ns)), sent_s, 0.03 + late);
   EXPECT_EQ(b.source.stats().sent, 8U);
   EXPECT_EQ(b.source.stats().received, 6U);
 }

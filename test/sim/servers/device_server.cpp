@@ -80,7 +80,7 @@ void DeviceServer::accept_client() {
   ::setsockopt(client_, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
   ++connections_;
   has_client_ = true;
-  device_->connected(wall_clock());
+  device_->connected(now_of_host());
 }
 
 void DeviceServer::read_client() {
@@ -88,7 +88,7 @@ void DeviceServer::read_client() {
   while (client_ >= 0) {
     const ssize_t got = ::recv(client_, buffer.data(), buffer.size(), 0);
     if (got > 0) {
-      device_->receive({buffer.data(), static_cast<std::size_t>(got)}, wall_clock());
+      device_->receive({buffer.data(), static_cast<std::size_t>(got)}, now_of_host());
     } else if (got == 0 || (errno != EAGAIN && errno != EINTR)) {
       close_client(false);
     } else {
@@ -100,7 +100,7 @@ void DeviceServer::read_client() {
 void DeviceServer::write_client() {
   while (client_ >= 0) {
     if (pending_.empty()) {
-      auto next = device_->next(wall_clock());
+      auto next = device_->next(now_of_host());
       if (!next) return;
       pending_ = std::move(next->bytes);
     }

@@ -16,6 +16,9 @@
 
 namespace lidard::sim {
 
+/// The time of devices: the host's clock, which no test here sets.
+inline Stamp now_of_host() { return {wall_clock().ns}; }
+
 /// Puts a device behind a real TCP socket, on a thread of its own. Serves one client at a time, as such
 /// sensors do: a second one waits in the queue.
 class DeviceServer {

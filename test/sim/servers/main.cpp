@@ -113,7 +113,7 @@ Endpoint server_of(const SensorEntry& sensor, const Route& route) {
 std::vector<std::unique_ptr<DeviceServer>> serve(const Scene& all, const Route& route, Scene& scene) {
   std::vector<std::unique_ptr<DeviceServer>> servers;
   scene.sensors.clear();
-  const Stamp now = wall_clock();
+  const Stamp now = now_of_host();
   for (std::size_t i = 0; i < all.sensors.size(); ++i) {
     const SensorEntry& sensor = all.sensors[i];
     if (!sensor.is_tcp()) {
@@ -160,7 +160,7 @@ int live(const Arguments& arguments) {
   const auto scanners = serve_settings(scene, route);
   UdpSender sender(route);
   Pacer pacer(parse_rate(arguments.rate));
-  const Stamp begin = wall_clock();
+  const Stamp begin = now_of_host();
   if (!scene.sensors.empty()) {
     simulate(scene, [&](const SimPacket& packet) {
       pacer.wait_until(packet.time);
@@ -170,7 +170,7 @@ int live(const Arguments& arguments) {
       return true;
     });
   }
-  if (!servers.empty()) std::this_thread::sleep_for(begin + scene.duration - wall_clock());
+  if (!servers.empty()) std::this_thread::sleep_for(begin + scene.duration - now_of_host());
   for (const auto& server : servers) {
     std::printf("port %u: %llu connections, %llu bytes\n", server->port(),
                 static_cast<unsigned long long>(server->connections()),

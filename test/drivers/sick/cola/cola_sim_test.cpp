@@ -266,8 +266,11 @@ class LiveClient final : public DriverOutput {
     options.device = {IpAddress::v4(127, 0, 0, 1), port};
     options.read_time_out = std::chrono::milliseconds(500);
     TcpHandlers handlers;
-    handlers.receive = [this](const Packet& packet) { driver->receive(packet, *this); };
-    handlers.connected = [this](Stamp now) { driver->connected(now, *this); };
+    handlers.receive = [this](Packet packet) {
+      packet.arrival = {packet.received.ns};
+      driver->receive(packet, *this);
+    };
+    handlers.connected = [this](HostStamp at) { driver->connected({at.ns}, *this); };
     handlers.disconnected = [this] { driver->disconnected(); };
     source = std::make_unique<TcpSource>(io, options, handlers);
     source->start();
@@ -293,7 +296,7 @@ TEST_P(ColaLive, StreamsAndComesBackAfterResetPowerCycleAndSilence) {
   ColaDeviceOptions options;
   options.dialect = GetParam();
   sim::DeviceServer server({IpAddress::v4(127, 0, 0, 1), 0},
-                           std::make_unique<ColaDevice>(options, room, wall_clock()));
+                           std::make_unique<ColaDevice>(options, room, sim::now_of_host()));
   boost::asio::io_context io;
   LiveClient client(io, server.port(), "sick_lms1xx");
   boost::asio::steady_timer ticker(io);
@@ -301,19 +304,19 @@ TEST_P(ColaLive, StreamsAndComesBackAfterResetPowerCycleAndSilence) {
     ticker.expires_after(std::chrono::milliseconds(50));
     ticker.async_wait([&](const auto& error) {
       if (error) return;
-      client.driver->tick(wall_clock(), client);
+      client.driver->tick(sim::now_of_host(), client);
       tick();
     });
   };
   tick();
   /// Seconds until `count` more scans came.
   const auto wait_for_scans = [&](std::size_t count, double limit) {
-    const Stamp begin = wall_clock();
+    const Stamp begin = sim::now_of_host();
     const std::size_t goal = client.scans + count;
-    while (client.scans < goal && seconds(wall_clock() - begin) < limit)
+    while (client.scans < goal && seconds(sim::now_of_host() - begin) < limit)
       io.run_for(std::chrono::milliseconds(20));
     EXPECT_GE(client.scans, goal);
-    return seconds(wall_clock() - begin);
+    return seconds(sim::now_of_host() - begin);
   };
   wait_for_scans(50, 60);
   EXPECT_EQ(client.driver->counters().lost_packets, 0U);
@@ -321,7 +324,7 @@ TEST_P(ColaLive, StreamsAndComesBackAfterResetPowerCycleAndSilence) {
   const double after_reset = wait_for_scans(5, 60);
   server.switch_off();
   io.run_for(std::chrono::milliseconds(300));
-  server.with<ColaDevice>([](ColaDevice& device) { device.power_cycle(wall_clock()); });
+  server.with<ColaDevice>([](ColaDevice& device) { device.power_cycle(sim::now_of_host()); });
   server.switch_on();
   const double after_power = wait_for_scans(5, 60);
   server.hang(true);
