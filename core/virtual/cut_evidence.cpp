@@ -143,15 +143,18 @@ void CutEvidence::claim(Cell& cell, const Piece& piece) const {
     free[0] = piece;
     return;
   }
-  const float slack = touching + touching_share * piece.to;
+  // What hides the end of a piece stands in the gap behind it.
+  const auto is_apart = [](const Piece& near, const Piece& far) {
+    return far.from > near.to + (near.hides ? 0 : touching + touching_share * near.to);
+  };
   bool joined = false;
   for (Piece& old : free) {
-    if (old.exists() && (piece.from > old.to + slack || piece.to < old.from - slack)) continue;
+    if (old.exists() && (is_apart(old, piece) || is_apart(piece, old))) continue;
     old = old.exists() ? both(old, piece) : piece;
     joined = true;
     break;
   }
-  if (joined && free[1].exists() && free[1].from <= free[0].to + slack && free[1].to >= free[0].from - slack)
+  if (joined && free[1].exists() && !is_apart(free[0], free[1]) && !is_apart(free[1], free[0]))
     free = {both(free[0], free[1]), Piece{}};
 }
 
@@ -331,7 +334,8 @@ void CutEvidence::find(const PlaneView& view, const PlaneTops& tops, HeightBand 
   fill_holes();
   for (std::size_t k = 0; k < cells_.size(); ++k) {
     for (std::size_t p = 0; p < pieces; ++p) {
-      const Piece& piece = cells_[k].free[p];
+      // A way from a cell with two pieces to one with one must stay within one map to be free.
+      const Piece& piece = cells_[k].free[p].exists() ? cells_[k].free[p] : cells_[k].free[0];
       if (piece.exists()) free[p]->claim(k, piece.from, piece.to, piece.hides);
     }
     if (cells_[k].blind.to > 0) blind.claim(k, 0, cells_[k].blind.to, cells_[k].blind.hides);

@@ -90,7 +90,8 @@ namespace {
 // Share of the height between the highest return and the beam that passes over it. In random yards half of
 // the tops in between are higher than this.
 constexpr float likely_reach = 0.33F;
-// m; a wider stretch of returns of one ring at one distance lies on the top of an object, not on a face.
+// m; a wider stretch of returns of one ring at one distance lies on the top of an object, or on a face that
+// is square to the beams.
 constexpr float flat_width = 0.6F;
 constexpr float flat_slack = 0.02F;  // m, beside the noise
 
@@ -151,24 +152,31 @@ void PlaneTops::add_step(const PlaneView& view, std::size_t column, std::size_t 
   run = {column, column + 1, here, passing, near};
 }
 
-/// True if most returns of the run lie on the object's top: a ring hits a level surface at one distance.
-bool PlaneTops::is_flat(const PlaneView& view, std::size_t ring, const Run& run) const {
+PlaneTops::Shape PlaneTops::shape_of(const PlaneView& view, std::size_t ring, const Run& run) const {
   const RingGrid& grid = view.grid();
-  const float limit = run.nearest + flat_slack + view.links().slack();
-  std::size_t count = 0;
-  for (std::size_t c = run.first; c < run.end; ++c)
-    count += view.distance(grid.index(c, ring) - 1) < limit ? 1 : 0;
-  return static_cast<float>(count) * static_cast<float>(grid.step()) * run.nearest > flat_width;
+  const float slack = flat_slack + view.links().slack();
+  std::size_t level = 0, faces = 0;
+  for (std::size_t c = run.first; c < run.end; ++c) {
+    const std::size_t i = grid.index(c, ring) - 1;
+    if (view.distance(i) >= run.nearest + slack) continue;
+    ++level;
+    if (ring < 2 || grid.kind[i - 1] != Beam::point) continue;
+    faces += std::fabs(view.distance(i - 1) - view.distance(i)) < slack ? 1 : 0;
+  }
+  const float width = static_cast<float>(level) * static_cast<float>(grid.step()) * run.nearest;
+  if (width <= flat_width) return Shape::uneven;
+  return 2 * faces > level ? Shape::face : Shape::top;
 }
 
 void PlaneTops::close(const PlaneView& view, std::size_t ring) {
   Run& run = runs_[ring];
   const float room = run.passing - run.top;
   const bool above = run.top >= 0;
+  const Shape shape = above ? Shape::uneven : shape_of(view, ring, run);
   Verdict verdict = none;
-  if (run.passing <= 0 || (!above && is_flat(view, ring, run)))
+  if (run.passing <= 0 || shape == Shape::top)
     verdict = stays_below;
-  else if (!above && -run.top > (1 - likely_reach) * room)
+  else if (shape == Shape::face || (!above && -run.top > (1 - likely_reach) * room))
     verdict = likely_below;
   else if (above || -run.top < likely_reach * room)
     verdict = reaches;

@@ -93,8 +93,8 @@ inline BeamEnd mixed(const BeamEnd& a, const BeamEnd& b, float share) {
 /// The top of an object is at least as high as its highest return and lower than the lowest beam that passes
 /// over it. Both limits come from all neighbouring columns that see the object, since tops are mostly level.
 /// If the plane is close to the return, the object reaches it; if the plane is close to the beam, the object
-/// likely does not. The object does not reach the plane if the returns lie on its level top or the beam is
-/// beneath the plane.
+/// likely does not, and likely not if the returns lie on a face square to the beams, which look like a top.
+/// The object does not reach the plane if the returns lie on its level top or the beam is beneath the plane.
 class PlaneTops {
  public:
   /// Result for a beam and the one below it. `hides`: the object that the upper beam hits may extend down to
@@ -113,10 +113,13 @@ class PlaneTops {
     float passing = 0;               // m above the plane, the lowest beam that passes over it
     float nearest = 0;               // m from the sensor
   };
+  /// What most returns of a run lie on. A ring meets a level top at one distance, and so it does a face that
+  /// is square to the beams; the ring beneath meets the face, too, at that distance.
+  enum class Shape : std::uint8_t { uneven, top, face };
   void mark_steps(const PlaneView& view);
   void add_step(const PlaneView& view, std::size_t column, std::size_t upper);
   void close(const PlaneView& view, std::size_t ring);
-  bool is_flat(const PlaneView& view, std::size_t ring, const Run& run) const;
+  Shape shape_of(const PlaneView& view, std::size_t ring, const Run& run) const;
 
   std::vector<std::uint8_t> verdicts_;
   std::vector<std::uint8_t> steps_;  // the upper beam passes over the object that the lower one hits

@@ -54,6 +54,40 @@ TEST(PlaneTops, AThingDoesNotReachThePlaneWhereItsTopIsSeenBeneath) {
   }
 }
 
+TEST(PlaneTops, AFaceSquareToTheBeamsIsNoTop) {
+  // Two rings meet the face, 0.15 and 0.44 m high and at one distance all along; the next one passes at 0.73
+  // m.
+  sim::Yard yard;
+  yard.objects = {box({8.1, 0, 0.3}, {0.2, 3, 0.6}), wall(25, -40, 25, 40)};
+  Cut cut;
+  cut.settings.how.free_required = 20;
+  cut.make(seen(yard, lidar16()), lidar16().pose);
+  for (double deg = -6; deg <= 6; deg += 0.5) {
+    const std::size_t beam = cut.grid.nearest(deg * degree);
+    for (const PlanarScan* scan : {&cut.strict, &cut.safety}) {
+      EXPECT_NE(scan->statuses[beam], BeamStatus::none) << deg;
+      EXPECT_FALSE(scan->ranges[beam] > 9) << deg << ": overlooked";
+    }
+  }
+}
+
+TEST(PlaneTops, ALowThingStandsInTheGapBetweenTheRingsThatPassBeforeAndBehindIt) {
+  // It is 7 cm higher than the plane: the ring at -15 degrees meets it 0.4 m high, that at -13 degrees
+  // passes.
+  sim::Yard yard;
+  yard.objects = {box({5.8, -1.4, 0.285}, {0.06, 0.34, 0.57})};
+  Cut cut;
+  cut.frame = make_pose({6, 0, plane_height}, {0, 0, 0});
+  cut.settings.how.free_required = 4;
+  cut.make(seen(yard, lidar16()), lidar16().pose);
+  for (double deg = -99; deg <= -97; deg += 0.5) {
+    ASSERT_LT(truth(yard, cut.frame, deg * degree), 2) << deg;
+    EXPECT_NE(cut.strict.statuses[cut.grid.nearest(deg * degree)], BeamStatus::none) << deg;
+    EXPECT_NE(cut.safety.statuses[cut.grid.nearest(deg * degree)], BeamStatus::none) << deg;
+  }
+  EXPECT_EQ(cut.strict.statuses[cut.grid.nearest(-60 * degree)], BeamStatus::none) << "behind it all is free";
+}
+
 TEST(PlaneTops, WhatNobodyKnowsIsUnobservedInStrict) {
   // Its returns are up to 0.33 m high, the next beam passes at 0.7 m: the top may be anywhere in between.
   Block block(0.45, 14.7, 16.6);
