@@ -93,6 +93,8 @@ constexpr float likely_reach = 0.33F;
 // m; a wider stretch of returns of one ring at one distance lies on the top of an object, or on a face that
 // is square to the beams.
 constexpr float flat_width = 0.6F;
+// m; so far behind a face a return beneath the plane lies on the same object's top.
+constexpr float deepest_top = 3;
 constexpr float flat_slack = 0.02F;  // m, beside the noise
 
 }  // namespace
@@ -154,18 +156,35 @@ void PlaneTops::add_step(const PlaneView& view, std::size_t column, std::size_t 
 
 PlaneTops::Shape PlaneTops::shape_of(const PlaneView& view, std::size_t ring, const Run& run) const {
   const RingGrid& grid = view.grid();
+  const auto step = static_cast<float>(grid.step());
   const float slack = flat_slack + view.links().slack();
-  std::size_t level = 0, faces = 0;
-  for (std::size_t c = run.first; c < run.end; ++c) {
-    const std::size_t i = grid.index(c, ring) - 1;
-    if (view.distance(i) >= run.nearest + slack) continue;
-    ++level;
-    if (ring < 2 || grid.kind[i - 1] != Beam::point) continue;
-    faces += std::fabs(view.distance(i - 1) - view.distance(i)) < slack ? 1 : 0;
-  }
-  const float width = static_cast<float>(level) * static_cast<float>(grid.step()) * run.nearest;
-  if (width <= flat_width) return Shape::uneven;
-  return 2 * faces > level ? Shape::face : Shape::top;
+  const auto each_level = [&](const auto& use) {
+    for (std::size_t c = run.first; c < run.end; ++c) {
+      const std::size_t i = grid.index(c, ring) - 1;
+      const float beyond = view.distance(i) - run.nearest;
+      if (beyond < slack) use(i, static_cast<float>(c - run.first) * step, beyond);
+    }
+  };
+  float count = 0, sum = 0, squares = 0, faces = 0, tops = 0;
+  each_level([&](std::size_t i, float azimuth, float) {
+    ++count, sum += azimuth, squares += azimuth * azimuth;
+    const bool on_thing =
+        (view.sides()[i + 1] & (PlaneView::below | PlaneView::on_ground)) == PlaneView::below;
+    tops += on_thing && view.distance(i + 1) - view.distance(i) < deepest_top ? 1.0F : 0.0F;
+    if (ring < 2 || grid.kind[i - 1] != Beam::point) return;
+    faces += std::fabs(view.distance(i - 1) - view.distance(i)) < slack ? 1.0F : 0.0F;
+  });
+  if (count * step * run.nearest <= flat_width) return Shape::uneven;
+  if (2 * tops > count) return Shape::top;
+  if (2 * faces > count) return Shape::face;
+  // Fit of the square of the azimuth, from which the mean of the squares is taken.
+  const float middle = sum / count, spread = squares / count - middle * middle;
+  float power = 0, bend = 0;
+  each_level([&](std::size_t, float azimuth, float beyond) {
+    const float square = (azimuth - middle) * (azimuth - middle) - spread;
+    power += square * square, bend += square * beyond;
+  });
+  return bend > power * run.nearest / 4 ? Shape::face : Shape::top;
 }
 
 void PlaneTops::close(const PlaneView& view, std::size_t ring) {

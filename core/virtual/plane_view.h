@@ -113,8 +113,9 @@ class PlaneTops {
     float passing = 0;               // m above the plane, the lowest beam that passes over it
     float nearest = 0;               // m from the sensor
   };
-  /// What most returns of a run lie on. A ring meets a level top at one distance, and so it does a face that
-  /// is square to the beams; the ring beneath meets the face, too, at that distance.
+  /// What most returns of a run lie on. A ring meets a level top at one distance. The distance of a face
+  /// square to the beams grows by half the distance times the square of the azimuth, and the ring beneath
+  /// meets the face there, too. A face that one ring meets over less than a metre may be taken for a top.
   enum class Shape : std::uint8_t { uneven, top, face };
   void mark_steps(const PlaneView& view);
   void add_step(const PlaneView& view, std::size_t column, std::size_t upper);

@@ -79,6 +79,14 @@ void add_things(Rng& rng, const HidingCase& set_up, std::vector<Thing>& things) 
     case Hiding::low:
       things.push_back({at, {size + 0.2 * rng.uniform(), size}, yaw, set_up.at.z() + 0.3 * rng.uniform()});
       break;
+    case Hiding::low_walls: {
+      const double askew = rng.uniform() < 0.5 ? 0 : 0.3 * (rng.uniform() - 0.5);
+      things.push_back({at,
+                        {0.05, 0.3 + 1.5 * rng.uniform()},
+                        std::atan2(at.y(), at.x()) + askew,
+                        set_up.at.z() + 0.3 * rng.uniform()});
+      break;
+    }
   }
 }
 
@@ -221,7 +229,8 @@ const std::vector<HidingCase>& hiding_cases() {
       {"virtual, behind rods", Hiding::behind_rods, true, 0.2, 720, 0.01, ahead, 4},
       {"virtual, combs", Hiding::combs, true, 0.2, 720, 0.01, ahead, 4},
       {"virtual, slits", Hiding::slits, true, 0.2, 720, 0.01, ahead, 6},
-      {"virtual, low boxes", Hiding::low, true, 0.2, 720, 0.01, ahead, 4}};
+      {"virtual, low boxes", Hiding::low, true, 0.2, 720, 0.01, ahead, 4},
+      {"virtual, low walls", Hiding::low_walls, true, 0.2, 720, 0.01, ahead, 12}};
   return cases;
 }
 

@@ -14,8 +14,9 @@ namespace lidard::sim {
 
 /// What stands in an open yard, made to be missed. `posts`: in sight of the sensors. `behind_rods`: each post
 /// behind rods that hide it from every sensor. `combs`: rows of posts with gaps of their own width. `slits`:
-/// pairs of walls with a slit between them. `low`: boxes that end near the height of the plane.
-enum class Hiding : std::uint8_t { posts, behind_rods, combs, slits, low };
+/// pairs of walls with a slit between them. `low`: boxes that end near the height of the plane. `low_walls`:
+/// thin walls that do, mostly square to the beams.
+enum class Hiding : std::uint8_t { posts, behind_rods, combs, slits, low, low_walls };
 
 /// How the yard is looked at.
 struct HidingCase {

@@ -32,10 +32,12 @@ TEST_P(HiddenThings, AreNeitherFalselyFreeNorSeenThrough) {
   const Totals totals = totals_of(set_up, 1, set_up.from_cloud ? 12 : 24);
   ASSERT_GT(totals.strict.blocked, 300U);
   // Of a cloud the edge of a thing is known to a column of cells, and a corner may pass between two.
-  const std::uint64_t most = set_up.from_cloud ? totals.strict.blocked / 500 : 0;
+  // A wall that one ring meets may look like the top of a lower thing.
+  const std::uint64_t share = set_up.hiding == Hiding::low_walls ? 50 : 500;
+  const std::uint64_t most = set_up.from_cloud ? totals.strict.blocked / share : 0;
   EXPECT_LE(totals.strict.falsely_free, most);
   EXPECT_LE(totals.safety.falsely_free, most);
-  EXPECT_LE(totals.strict.seen_through, totals.strict.blocked / 500);
+  EXPECT_LE(totals.strict.seen_through, totals.strict.blocked / share);
   if (set_up.hiding == Hiding::posts) {
     EXPECT_LE(totals.safety.seen_through, totals.safety.blocked / 100);
   }
