@@ -1,7 +1,5 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/ros/master/master_client.h"
-
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -11,6 +9,7 @@
 #include <utility>
 
 #include "daemon/ros/master/environment.h"
+#include "daemon/ros/master/master_client.h"
 #include "test/support/ros_listener.h"
 #include "test/support/starved.h"
 #include "test/support/tcp_peer.h"
@@ -121,6 +120,12 @@ TEST(MasterClient, TakesTheAnswerOfAMasterAndNothingElse) {
       "error: the answer is a fault");
   EXPECT_EQ(pid_from(http_answer("<html>welcome</html>")), "error: the answer has no end");
   EXPECT_EQ(pid_from(http_answer(xml_answer("<int>many</int>"))), "error: the answer is not XML-RPC");
+}
+
+TEST(MasterClient, ASubscriptionThatTheMasterRefusesIsNone) {
+  OneAnswer master(http_answer(master_answer("0", "<int>0</int>")));
+  MasterClient client({"127.0.0.1", master.port()}, "/test", 10s);
+  EXPECT_FALSE(client.register_subscriber("scan"));
 }
 
 TEST(MasterClient, SaysWhyAnAnswerIsNotUsed) {

@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <boost/crc.hpp>
+
 #include "test/drivers/sick/compact/segment_bench.h"
 
 namespace lidard::sick {
@@ -25,6 +27,23 @@ TEST(SegmentFaults, BadTelegramsAreCountedByTheirFault) {
   EXPECT_TRUE(bench.has_warning("sick_multiscan136"));
   EXPECT_EQ(bench.driver->counters().rejected_total(), 5U);
   EXPECT_EQ(bench.driver->counters().packets, 5U);
+}
+
+TEST(SegmentFaults, DistancesInMsgpackAreBytesAndNothingElse) {
+  for (unsigned marker = 0; marker < 256; ++marker) {
+    SegmentBench bench;
+    bench.version = 0;
+    auto bytes = bench.encode(bench.segment(0, 0));
+    const std::uint8_t header[] = {0xc5, 0, 240};  // 60 beams of four bytes
+    const auto found = std::search(bytes.begin(), bytes.end(), std::begin(header), std::end(header));
+    ASSERT_NE(found, bytes.end());
+    *found = static_cast<std::uint8_t>(marker);
+    boost::crc_32_type crc;
+    crc.process_bytes(bytes.data() + 8, bytes.size() - 12);
+    for (std::size_t i = 0; i < 4; ++i)
+      bytes[bytes.size() - 4 + i] = static_cast<std::uint8_t>(crc.checksum() >> 8 * i);
+    EXPECT_EQ(bench.send(bytes, bench.epoch), marker == 0xc5 ? Reject::none : Reject::field) << marker;
+  }
 }
 
 TEST(SegmentFaults, TypesNobodyReadsAreSetAside) {
