@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/ros/master/master_client.h"
+
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -9,7 +11,6 @@
 #include <utility>
 
 #include "daemon/ros/master/environment.h"
-#include "daemon/ros/master/master_client.h"
 #include "test/support/ros_listener.h"
 #include "test/support/starved.h"
 #include "test/support/tcp_peer.h"
