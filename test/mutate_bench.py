@@ -119,6 +119,7 @@ class Bench:
         self.root, self.work, self.build, self.jobs = root, work, work / "build", jobs
         self.processes = Processes()
         self.options, self.commands, self.links, self.clean, self.tests = options, {}, {}, {}, {}
+        self.modules = {}  # how they are linked
         work.mkdir(parents=True, exist_ok=True)
         self.lock = open(work / "lock", "w")
         try:
@@ -146,6 +147,8 @@ class Bench:
                 self.commands[str(path.relative_to(self.work))] = shlex.split(entry["command"])
         for target in targets:
             self.links[target] = self.link_command(target)
+        for module in self.build.glob("*.so"):
+            self.modules[module.name] = self.link_command(module.name)
 
     def link_command(self, target):
         last = self.checked(["ninja", "-t", "commands", target], "ninja").strip().splitlines()[-1]
@@ -274,16 +277,31 @@ class Bench:
         return folder, objects
 
     def link(self, program, folder, objects):
+        changed = {str(o.relative_to(folder)): str(o) for o in objects}
+        of_modules = set()
+        for module, usual in self.modules.items():  # which a program loads from its own folder
+            words = [changed.get(source_of(word), word) for word in usual]
+            of_modules |= changed.keys() & set(map(source_of, usual))
+            (folder / module).unlink(missing_ok=True)
+            if words == usual:
+                (folder / module).symlink_to(self.build / module)
+            else:
+                words[words.index("-o") + 1] = str(folder / module)
+                self.run_linker(module, words)
+        objects = [o for o in objects if str(o.relative_to(folder)) not in of_modules]
         words = list(self.links[program])
         words[words.index("-o") + 1] = str(folder / program)
         # The changed objects come first: then nobody looks into the library for them. Test sources have others.
         tests = {str(o.relative_to(folder)) for o in objects if o.relative_to(folder).parts[0] == "test"}
-        words = [w for w in words if not (w.startswith("CMakeFiles/") and w.split(".dir/", 1)[-1] in tests)]
+        words = [w for w in words if source_of(w) not in tests]
         compiler = next(i for i, word in enumerate(words) if not word.endswith("ccache"))
         words[compiler + 1:compiler + 1] = [*map(str, objects), "-Wl,-s"]
+        self.run_linker(program, words)
+
+    def run_linker(self, product, words):
         code, output = self.processes.run(words, self.build, 300)
         if code != 0:
-            raise BuildFailed(f"{program} does not link with a fault:\n{output[-2000:]}")
+            raise BuildFailed(f"{product} does not link with a fault:\n{output[-2000:]}")
 
     def try_fault(self, folder, objects, stages, scripts):
         """Runs the stages until a test fails."""
@@ -332,6 +350,11 @@ class Bench:
             text = script.read_text().lower()
             rated.append((-sum(min(text.count(word), 20) for word in words), str(script)))
         return [script for _, script in sorted(rated)[:count]]
+
+
+def source_of(word):
+    """The object of a linker's command without its target's folder: path/name.cpp.o; None: no object."""
+    return word.split(".dir/", 1)[-1] if word.startswith("CMakeFiles/") else None
 
 
 def plain_name(name):

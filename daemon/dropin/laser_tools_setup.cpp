@@ -58,11 +58,8 @@ void add_output(ParameterReader& reader, const Keys<Owner>& keys, KeyMap& entry,
   add_grid(reader, entry, warnings);
   // The value that ira_laser_tools publishes for beams without a hit.
   entry.emplace_back("empty", reader.text("empty", "range_max_plus_one"));
-  std::set<std::string> given{"beams"};
-  for (const auto& one : entry) given.insert(one.first);
   for (const Key& key : keys) {
-    const bool is_text = key.kind != KeyKind::pose && key.kind != KeyKind::section;
-    if (!is_text || !given.emplace(key.name).second) continue;
+    if (key.kind == KeyKind::pose || key.kind == KeyKind::section || key.name == "beams") continue;
     if (const auto value = reader.find(std::string(key.name))) entry.emplace_back(key.name, *value);
   }
 }

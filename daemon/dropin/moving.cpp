@@ -37,12 +37,6 @@ bool is_idle(const std::string& value, std::string_view idle) {
          });
 }
 
-std::string cell(std::string_view text) {
-  std::string escaped;
-  for (const char c : text) escaped.append(c == '|' ? "\\|" : std::string(1, c));
-  return escaped;
-}
-
 std::string code_words(std::string_view list) {
   std::string text;
   for (const auto& word : split_words(list)) text.append(text.empty() ? "`" : ", `").append(word).append("`");
@@ -54,10 +48,10 @@ void write_package(std::ostream& out, const MovedPackage& package) {
       << "\n| parameter | key | what becomes of it |\n|---|---|---|\n";
   for (const MovedParameter& row : package.parameters)
     out << "| " << code_words(row.names) << " | " << (row.key.empty() ? "–" : code_words(row.key)) << " | "
-        << cell(row.remark) << " |\n";
+        << row.remark << " |\n";
   out << "\n| topic or service | type | here |\n|---|---|---|\n";
   for (const MovedTopic& row : package.topics)
-    out << "| " << code_words(row.name) << " | " << row.type << " | " << cell(row.ours) << " |\n";
+    out << "| " << code_words(row.name) << " | " << row.type << " | " << row.ours << " |\n";
 }
 
 KeyValue as_intensity_filter(const std::string& value) {

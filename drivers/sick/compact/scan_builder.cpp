@@ -135,11 +135,8 @@ class ScanBuilder final : public FrameBuilder {
       }
     };
     const std::size_t end = all.first + all.count;
-    for (std::size_t b = all.first; b < all.first + std::min(first_segment_, all.count) && had_echo_[b] == 0;
-         ++b)
-      hide(b);
-    for (std::size_t b = end; b > end - std::min(last_segment_, all.count) && had_echo_[b - 1] == 0; --b)
-      hide(b - 1);
+    for (std::size_t b = all.first; b < all.first + first_segment_ && had_echo_[b] == 0; ++b) hide(b);
+    for (std::size_t b = end; b > end - last_segment_ && had_echo_[b - 1] == 0; --b) hide(b - 1);
   }
 
   void publish(const RasterScan& raster, BeamWindow all, DriverOutput& out) {

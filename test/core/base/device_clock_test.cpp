@@ -287,7 +287,9 @@ TEST(DeviceClock, KnowsTheDriftAfterFourHalfSecondsAndForgetsItOnReset) {
       ASSERT_NEAR(clock.drift_ppm(), -300, 1) << t;
     }
   }
+  EXPECT_GT(clock.spread(), Span(0));
   clock.reset();
+  EXPECT_EQ(clock.spread(), Span(0));
   EXPECT_FALSE(clock.ready());
   EXPECT_FALSE(clock.knows_drift());
   EXPECT_EQ(clock.drift_ppm(), 0);

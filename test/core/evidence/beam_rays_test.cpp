@@ -95,6 +95,22 @@ TEST(Footprint, ARayCrossesItWhereItsPointsAreInside) {
   EXPECT_GT(missed, 100);
 }
 
+TEST(Footprint, ARayAlongAnEdgeCrossesItBetweenItsCornersOrNotAtAll) {
+  sim::Rng rng(4);
+  int crossed = 0;
+  for (int round = 0; round < 2000; ++round) {
+    const auto corners = random_outline(rng);
+    const Eigen::Vector2d direction = (corners[1] - corners[0]).normalized();
+    const Eigen::Vector2d origin = corners[0] - 4 * direction;
+    const auto crossing = Footprint(corners).crossing(origin, direction);
+    if (!crossing) continue;
+    ++crossed;
+    ASSERT_NEAR(crossing->in, 4, 1e-6) << round;
+    ASSERT_NEAR(crossing->out, 4 + (corners[1] - corners[0]).norm(), 1e-6) << round;
+  }
+  EXPECT_GT(crossed, 100);
+}
+
 TEST(Footprint, ASpikeIsCutOffAtFourMargins) {
   const Footprint spike = Footprint({{0, -0.01}, {10, 0}, {0, 0.01}}).padded(0.1);
   EXPECT_TRUE(spike.contains({10.3, 0}));

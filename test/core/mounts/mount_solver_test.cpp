@@ -113,6 +113,25 @@ TEST(MountSolver, WhereWallsHardlyShowADirectionThePoseStaysAsConfigured) {
   EXPECT_NEAR(estimate.pose.x, trial.sensors[1].configured.x, 0.02) << "along the walls nothing is known";
 }
 
+TEST(MountSolver, BeforeAnArcThePosesTurnedAboutItsMiddleAreWithinTheDeviation) {
+  Trial trial(13);
+  const Eigen::Vector2d middle(1.5, 0.7);
+  Place circle;
+  circle.round(middle, 8, 720);
+  for (int i = 0; i < 600; ++i) {  // with gates that narrow, so that only one turn fits
+    if (i * i / 12000 % 2 == 0) trial.place.walls.push_back(circle.walls[static_cast<std::size_t>(i)]);
+  }
+  trial.add({0.5, 1, 1.5}, {}, false, 0.05);
+  trial.add({-0.5, -1, 1.2}, {}, false, 0.05);
+  const MountSolution solution = solve_mounts(trial.sensors, 0);
+  const MountEstimate& estimate = solution.sensors[1];
+  ASSERT_EQ(estimate.verdict, MountVerdict::found);
+  const Eigen::Vector2d about = trial.sensors[0].configured * (trial.truth[0].inverse() * middle);
+  const Eigen::Vector2d arm = Eigen::Vector2d(estimate.pose.x, estimate.pose.y) - about;
+  const Eigen::Vector3d turned = rad_per_deg * Eigen::Vector3d(-arm.y(), arm.x(), 1);
+  EXPECT_LT(turned.dot(estimate.covariance.inverse() * turned), 1) << "nothing shows a turn by a degree";
+}
+
 TEST(MountSolver, AlongACorridorThatIsConfiguredNearlyRightNothingIsChanged) {
   Trial trial(10);
   trial.place.box({0, 0}, 200, 6, 0.1);

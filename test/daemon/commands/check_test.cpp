@@ -90,7 +90,7 @@ TEST_F(Check, QuestionsAPoseInMillimetresOrDegreesThatLookLikeRad) {
           "  mm: {model: sick_tim7xx, ip_address: 10.0.0.1, pose: {xyz: [900, 0, 350]}}\n"
           "  rad: {model: sick_tim7xx, ip_address: 10.0.0.2, pose: {xyz: [1, 0, 0], rpy_deg: [0, 0, "
           "1.5708]}}\n"
-          "  fine: {model: sick_tim7xx, ip_address: 10.0.0.3, pose: {xyz: [9, 0, 3], rpy_deg: [0.2, -1.3, "
+          "  fine: {model: sick_tim7xx, ip_address: 10.0.0.3, pose: {xyz: [9, 0, 3], rpy_deg: [0.2, 1.57, "
           "90]}}\n"
           "  also: {model: sick_tim7xx, ip_address: 10.0.0.4, pose: {xyz: [1, 0, 3], rpy: [0, 0, 1.5708]}}\n"
           "  roof: {model: velodyne_vlp16, pose: {xyz: [0, 0, 2]}}\n"

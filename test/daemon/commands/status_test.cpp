@@ -21,7 +21,7 @@ DaemonState sample_state() {
   state.uptime = std::chrono::hours(25);
   state.summary = "1/1 lidars";
   DiagnosticItem item;
-  item.name = "sensor \"front\"";
+  item.name = "sensor \"front\"\n\\";
   item.health = Health::error;
   item.message = "bytes \xff\xfe of a device\nand a line";
   item.values = {{"Packets", "7"}};
@@ -69,7 +69,7 @@ TEST(Events, AreAllThatTheJournalHas) {
 
 TEST(Metrics, EscapeNamesAsPrometheusWantsIt) {
   const std::string text = metrics_text(sample_state());
-  EXPECT_THAT(text, HasSubstr("lidard_health{item=\"sensor \\\"front\\\"\"} 2\n"));
+  EXPECT_THAT(text, HasSubstr("lidard_health{item=\"sensor \\\"front\\\"\\n\\\\\"} 2\n"));
   EXPECT_THAT(text, HasSubstr("lidard_frames_total{topic=\"front/scan\"} 42\n"));
   EXPECT_THAT(text, HasSubstr("lidard_latency_seconds{topic=\"front/scan\",quantile=\"0.99\"} 0.000900\n"));
 }

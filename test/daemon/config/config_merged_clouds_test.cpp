@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "drivers/registry/registry.h"
 #include "test/daemon/config/config_support.h"
 
 namespace lidard {

@@ -138,8 +138,9 @@ TEST(SensorConfig, RefusesSensorsThatNothingTellsApart) {
                "  b: {model: velodyne_vlp16, ip_address: 10.0.0.1}\n"),
       "f:3:42: sensors.b.ip_address and port 2368 are those of sensors.a too; expected another ip_address "
       "or ip_port for each sensor");
-  EXPECT_EQ(error_of("sensors:\n  a: {model: velodyne_vlp16}\n  b: {model: velodyne_vlp16}\n"),
-            "f:3:3: sensors.b and sensors.a share port 2368 without ip_address, so nothing tells them apart; "
+  EXPECT_EQ(error_of("sensors:\n  s: {model: sick_lms1xx, ip_address: 10.0.0.1}\n"
+                     "  a: {model: velodyne_vlp16}\n  b: {model: velodyne_vlp16}\n"),
+            "f:4:3: sensors.b and sensors.a share port 2368 without ip_address, so nothing tells them apart; "
             "expected ip_address for at least one of them");
 }
 

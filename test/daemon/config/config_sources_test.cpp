@@ -74,6 +74,8 @@ TEST(ConfigSources, TriggerAndSettingsOfASourceTakeTheNamesOfItsList) {
     EXPECT_EQ(merged.source_settings.at("front").range_max, 7) << name;
     EXPECT_EQ(to_yaml(parse_config(to_yaml(config), "again")), to_yaml(config));
   }
+  const Config first = parse_config(begin + "source_settings: {back: {range_max: 7}}}}", "f");
+  EXPECT_EQ(first.merged_scans.at(0).source_settings.count("back"), 1U);
   EXPECT_THAT(error_of(begin + "source_settings: {front: {}, /front_scan: {}}}}"),
               HasSubstr("is front, which has settings already; expected one entry for each source"));
   EXPECT_THAT(error_of(begin + "trigger: front_scam}}"), HasSubstr("which is no source of it"));

@@ -75,6 +75,7 @@ TEST(Config, AFileInUtf16IsNamedAsSuch) {
   EXPECT_EQ(error_of("\xFF\xFEs\0e\0"s),
             "f:1:1: the file is UTF-16; expected UTF-8 (`iconv -f UTF-16 -t UTF-8`, or another encoding when "
             "saving)");
+  EXPECT_THAT(error_of("s"), Not(HasSubstr("UTF-16"))) << "a single character";
 }
 
 TEST(Config, UnknownKeysNearNothingListWhatThereIs) {

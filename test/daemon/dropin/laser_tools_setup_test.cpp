@@ -123,6 +123,10 @@ TEST(LaserMerger, RefusesWhatTheOldNodeDiedOfOrIgnored) {
 TEST(LaserMerger, NamesUnknownParameters) {
   EXPECT_THAT(laser_merger_setup({{"laserscan_topics", "a"}, {"range_maxi", "5"}}).warnings,
               ElementsAre("parameter ~range_maxi is not known and has no effect; did you mean ~range_max?"));
+  for (const char* name : {"beams", "destination_pose"}) {
+    EXPECT_THAT(laser_merger_setup({{"laserscan_topics", "a"}, {name, "5"}}).warnings,
+                ElementsAre(HasSubstr(std::string(name) + " is not known and has no effect")));
+  }
 }
 
 TEST(LaserVirtualizer, HasTheDefaultsOfTheNodeItStandsInFor) {

@@ -221,6 +221,7 @@ TEST(Moving, EachRowOfTheTableIsRead) {
     if (kind == tabs.end()) continue;
     ++rows;
     EXPECT_EQ(std::count(row.begin(), row.end(), '\t'), kind->second) << row;
+    EXPECT_EQ(row.find('|'), std::string::npos) << "a cell of the page ends there: " << row;
   }
   for (const MovedPackage& package : moved_packages())
     read += 1 + package.parameters.size() + package.topics.size();

@@ -34,9 +34,9 @@ Reception lossy(std::uint64_t packets, std::uint64_t lost) {
   return r;
 }
 
-Reception rejecting(std::uint64_t rejected) {
+Reception rejecting(std::uint64_t rejected, Reject reason = Reject::size) {
   Reception r = ten_seconds(100);
-  r.counters.rejected[static_cast<std::size_t>(Reject::size)] = rejected;
+  r.counters.rejected[static_cast<std::size_t>(reason)] = rejected;
   return r;
 }
 
@@ -89,6 +89,8 @@ TEST(Reception, IsJudgedByRejects) {
   EXPECT_EQ(judge(rejecting(989), FrameKind::cloud).health, Health::warn);
   EXPECT_EQ(judge(rejecting(990), FrameKind::cloud).health, Health::error);
   EXPECT_EQ(judge(rejecting(1000), FrameKind::cloud).figures, "100 % of packets rejected: 1000 (size 1000)");
+  EXPECT_EQ(judge(rejecting(99, Reject::duplicate), FrameKind::cloud).health, Health::ok);
+  EXPECT_EQ(judge(rejecting(100, Reject::duplicate), FrameKind::cloud).health, Health::warn);
 }
 
 TEST(Reception, WithoutAFrameIsAnErrorAfterTwoSeconds) {

@@ -122,6 +122,16 @@ TEST(SensorHealth, TellsThatOnlyForeignPacketsCome) {
                                          HasSubstr("100 % of packets rejected"), HasSubstr("size")));
 }
 
+TEST(Counters, OfTroubleStandOnALineOfTheirOwn) {
+  Counters counters;
+  std::ostringstream none, two;
+  print_counters(counters, none);
+  EXPECT_EQ(none.str(), "  packets 0, rejected 0, lost 0\n");
+  counters.reordered = 2, counters.clock_steps = 1;
+  print_counters(counters, two);
+  EXPECT_EQ(two.str(), none.str() + "  reordered packets 2, clock steps 1\n");
+}
+
 TEST(SensorHealth, TellsACoveredSensor) {
   Room room;
   for (const auto& packet : twelve_seconds()) {

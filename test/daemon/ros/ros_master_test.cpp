@@ -123,6 +123,12 @@ TEST(MasterClient, TakesTheAnswerOfAMasterAndNothingElse) {
   EXPECT_EQ(pid_from(http_answer(xml_answer("<int>many</int>"))), "error: the answer is not XML-RPC");
 }
 
+TEST(MasterClient, ASubscriptionThatTheMasterRefusesIsNone) {
+  OneAnswer master(http_answer(master_answer("0", "<int>0</int>")));
+  MasterClient client({"127.0.0.1", master.port()}, "/test", 10s);
+  EXPECT_FALSE(client.register_subscriber("scan"));
+}
+
 TEST(MasterClient, SaysWhyAnAnswerIsNotUsed) {
   EXPECT_EQ(pid_from(http_answer(master_answer("1", "<int>1</int>"), "404 Not Found")),
             "error: HTTP status 404");

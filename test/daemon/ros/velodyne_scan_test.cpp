@@ -126,6 +126,11 @@ TEST(VelodyneScanMessage, HandsOnEveryPacketWithItsStamp) {
   EXPECT_EQ(at, 23U);
 }
 
+TEST(VelodyneScanMessage, DefinesItsPacketsAsTheirPackageDoes) {
+  EXPECT_THAT(VelodyneScanMessage().message_type().definition,
+              testing::EndsWith("=\nMSG: velodyne_msgs/VelodynePacket\ntime stamp\nuint8[1206] data\n"));
+}
+
 TEST(VelodyneScanMessage, CutOffAnywhereGivesNoPacket) {
   const auto bytes = bytes_of(scan_of(packets(), 0, 2));
   std::size_t taken = 0;

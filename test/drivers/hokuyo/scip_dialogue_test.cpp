@@ -187,6 +187,16 @@ TEST(ScipDialogue, RefusalsAreToldInWordsAndAskedAgainUntilTheyEnd) {
   }
 }
 
+TEST(ScipDialogue, ARefusalIsStillToldWhenTheSensorFallsSilentAfterIt) {
+  ScipBench bench({}, without_comparison());
+  bench.sensor.options().refusals["ME"] = "0L";
+  bench.run(3s);
+  bench.muted = true;
+  bench.run(10s);
+  EXPECT_TRUE(bench.has_warning("status 0L: "));
+  EXPECT_TRUE(bench.has_warning("the connection is made again"));
+}
+
 TEST(ScipDialogue, ASensorThatVerifiesItselfIsGivenTime) {
   ScipBench bench({}, without_comparison());
   bench.run(1s);

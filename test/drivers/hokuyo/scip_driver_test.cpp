@@ -198,6 +198,13 @@ TEST(ScipDriver, ParametersInACaptureReplaceThoseOfTheTable) {
   EXPECT_EQ(bench.detail("Product Name"), "URG-04LX");
 }
 
+TEST(ScipDriver, ParametersThatCannotBeUsedAreAWarningAndTheTableStands) {
+  TcpBench bench("hokuyo_ust_10lx");
+  bench.feed(std::string("PP\n00P\nMODL:URG-04LX;") + hokuyo::scip_checksum("MODL:URG-04LX") + "\n\n", true);
+  EXPECT_TRUE(bench.has_warning("the sensor's answer to PP cannot be used"));
+  EXPECT_EQ(bench.detail("Product Name"), "UST-10LX");
+}
+
 TEST(ScipDriver, TheStampIsThatOfStepZero) {
   for (const bool percent : {false, true}) {
     ScipDeviceOptions options;

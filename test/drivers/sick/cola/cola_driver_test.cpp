@@ -248,6 +248,15 @@ TEST(ColaDriver, LostTelegramsAreCounted) {
   EXPECT_EQ(bench.counters().lost_packets, 3U) << "the counter wrapped";
 }
 
+TEST(ColaDriver, WhereOnlyScansAreCountedTheirGapsAreLosses) {
+  ColaBench bench;
+  for (int i = 0; i < 100; ++i) {
+    bench.sample.telegram_counter = 0xffff;  // 0 is sent
+    bench.send_next();
+  }
+  EXPECT_EQ(bench.counters().lost_packets, 0U);
+}
+
 TEST(ColaDriver, EveryThirdScanIsNoLoss) {
   ColaBench bench;
   for (int i = 0; i < 20; ++i) {

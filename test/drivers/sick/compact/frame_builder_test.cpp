@@ -211,6 +211,20 @@ TEST(FrameBuilder, BeamsThatTheDevicesFilterHidesAreNotFree) {
   }
 }
 
+TEST(FrameBuilder, WithoutEchoOnlyTheOutermostSegmentsMayBeHidden) {
+  SegmentBench bench;
+  for (std::uint64_t f = 0; f < 4; ++f) {
+    for (int i = 0; i < 10; ++i)  // the first and the last segment and ten beams beside them see nothing
+      bench.send(bench.encode(filtered(bench, f, i, 70, 529)), bench.arrival(f, i));
+  }
+  ASSERT_FALSE(bench.scans.empty());
+  const auto& statuses = bench.scans.back().statuses;
+  EXPECT_EQ(statuses[59], BeamStatus::invalid);
+  EXPECT_EQ(statuses[60], BeamStatus::none);
+  EXPECT_EQ(statuses[539], BeamStatus::none);
+  EXPECT_EQ(statuses[540], BeamStatus::invalid);
+}
+
 TEST(FrameBuilder, FramesThatGrowBecomeTheNewGeometryAndAWarning) {
   SegmentBench bench;
   std::uint64_t counter = 1;

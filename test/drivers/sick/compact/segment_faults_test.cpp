@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <boost/crc.hpp>
+
 #include "test/drivers/sick/compact/segment_bench.h"
 
 namespace lidard::sick {
@@ -25,6 +27,33 @@ TEST(SegmentFaults, BadTelegramsAreCountedByTheirFault) {
   EXPECT_TRUE(bench.has_warning("sick_multiscan136"));
   EXPECT_EQ(bench.driver->counters().rejected_total(), 5U);
   EXPECT_EQ(bench.driver->counters().packets, 5U);
+}
+
+/// The verdict on a telegram of MSGPACK in which `marker` takes the place of the first byte of `value`.
+Reject with_marker(std::uint8_t marker, const std::vector<std::uint8_t>& value) {
+  SegmentBench bench;
+  bench.version = 0;
+  auto bytes = bench.encode(bench.segment(130, 0));  // frame 200
+  const auto found = std::search(bytes.begin(), bytes.end(), value.begin(), value.end());
+  if (found == bytes.end()) return Reject::magic;
+  *found = marker;
+  boost::crc_32_type crc;
+  crc.process_bytes(bytes.data() + 8, bytes.size() - 12);
+  for (std::size_t i = 0; i < 4; ++i)
+    bytes[bytes.size() - 4 + i] = static_cast<std::uint8_t>(crc.checksum() >> 8 * i);
+  return bench.send(bytes, bench.epoch);
+}
+
+TEST(SegmentFaults, DistancesInMsgpackAreBytesAndNothingElse) {
+  for (unsigned marker = 0; marker < 256; ++marker)  // bin16: 60 beams of four bytes
+    EXPECT_EQ(with_marker(static_cast<std::uint8_t>(marker), {0xc5, 0, 240}),
+              marker == 0xc5 ? Reject::none : Reject::field)
+        << marker;
+}
+
+TEST(SegmentFaults, ANegativeFrameNumberInMsgpackIsRefused) {
+  EXPECT_EQ(with_marker(0xcc, {0xcc, 200}), Reject::none);
+  EXPECT_EQ(with_marker(0xd0, {0xcc, 200}), Reject::field) << "-56";
 }
 
 TEST(SegmentFaults, TypesNobodyReadsAreSetAside) {

@@ -59,6 +59,18 @@ TEST(SegmentTimes, TimeOffsetMovesScansCloudsAndInertialSamples) {
   }
 }
 
+TEST(SegmentTimes, ASampleThatComesSoonerThanScansDoIsNotStampedAfterItsArrival) {
+  SegmentBench bench("sick_multiscan136");
+  for (std::uint64_t frame = 0; frame < 4; ++frame) bench.send_frame(frame);
+  const std::uint64_t us = bench.time_us(4, 0);
+  const auto send = [&](Span after) {
+    bench.send(sim::compact_imu(us, {}, {}, {}), bench.host_of(us) + after, 7503);
+    return bench.samples.back().stamp - bench.host_of(us);
+  };
+  EXPECT_EQ(send(std::chrono::microseconds(500)), std::chrono::microseconds(500));
+  EXPECT_NEAR(seconds(send(std::chrono::milliseconds(9))), 2e-3, 0.2e-3) << "what scans take at least";
+}
+
 /// The clouds of one device whose segments come in the order that `order` gives within each frame.
 std::vector<Cloud> clouds_in_order(const std::vector<int>& order) {
   SegmentBench bench("sick_multiscan136");

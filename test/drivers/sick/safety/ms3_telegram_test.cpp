@@ -187,6 +187,7 @@ TEST(Ms3Telegram, RefusesImpossibleGeometry) {
   EXPECT_EQ(verdict([](Ms3Sample& s) { s.scan_time_ms = 0; }), Reject::field);
   EXPECT_EQ(verdict([](Ms3Sample& s) { s.step = 0; }), Reject::field);
   EXPECT_EQ(verdict([](Ms3Sample& s) { s.step = 0x7fffffff; }), Reject::field);
+  EXPECT_EQ(verdict([](Ms3Sample& s) { s.step = -0x7fffffff; }), Reject::field);
   EXPECT_EQ(verdict([](Ms3Sample& s) { s.start = 0x7fffffff; }), Reject::field);
   EXPECT_EQ(verdict([](Ms3Sample& s) { s.period_us = 0xffffffffU; }), Reject::field);
   EXPECT_EQ(verdict([](Ms3Sample& s) { s.announced_beams = 47; }), Reject::field);
