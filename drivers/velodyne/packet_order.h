@@ -151,7 +151,6 @@ class PacketOrder {
     hole.step = step;
     hole.echoes = packet.layout->echoes;
     hole.hole.from = last_azimuths_.group[0];
-    hole.hole.last = last_azimuths_.group[last_azimuths_.groups - 1];
     hole.hole.per_packet = static_cast<std::int64_t>(last_azimuths_.groups);
     // The azimuths give the angle modulo a turn, the rotation gives the number of turns.
     constexpr Hundredths jitter = 100;
