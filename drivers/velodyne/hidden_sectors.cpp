@@ -72,26 +72,27 @@ std::int64_t HiddenSectors::hidden_groups(const StreamHole& hole) const {
   return hidden;
 }
 
-/// Recounts the holes in doubt with the current sectors.
+/// Recounts the pending holes with the current sectors.
 void HiddenSectors::count_again() {
-  for (Doubt& doubt : doubts_) {
-    const std::int64_t lost = lost_of(doubt.hole, hidden_groups(doubt.hole));
-    if (lost > doubt.counted) lost_ += static_cast<std::uint64_t>(lost - std::exchange(doubt.counted, lost));
+  for (PendingHole& pending : pending_) {
+    const std::int64_t lost = lost_of(pending.hole, hidden_groups(pending.hole));
+    if (lost > pending.counted)
+      lost_ += static_cast<std::uint64_t>(lost - std::exchange(pending.counted, lost));
   }
-  erase_if(doubts_, [this](const Doubt& doubt) { return hidden_groups(doubt.hole) == 0; });
+  erase_if(pending_, [this](const PendingHole& pending) { return hidden_groups(pending.hole) == 0; });
 }
 
 /// The unseen sectors are hidden, whatever is received of them from now on.
 void HiddenSectors::settle() {
   count_again();
-  doubts_.clear();
+  pending_.clear();
   certain_ = true;
 }
 
 std::uint64_t HiddenSectors::hole(const StreamHole& hole) {
   const std::int64_t hidden = hidden_groups(hole);
   const std::int64_t lost = lost_of(hole, hidden);
-  if (hidden > 0 && !certain_ && doubts_.size() < doubts_.capacity()) doubts_.push_back({hole, lost});
+  if (hidden > 0 && !certain_ && pending_.size() < pending_.capacity()) pending_.push_back({hole, lost});
   lost_ += static_cast<std::uint64_t>(lost);
   return new_losses();
 }
@@ -169,8 +170,8 @@ std::uint64_t HiddenSectors::finish() {
   if (!certain_ && !unseen_.empty()) {
     const Sector widest = *std::max_element(
         unseen_.begin(), unseen_.end(), [](const Sector& a, const Sector& b) { return a.width < b.width; });
-    const auto holes = std::count_if(doubts_.begin(), doubts_.end(), [&](const Doubt& doubt) {
-      return groups_inside(doubt.hole, widest.from, widest.width) > 0;
+    const auto holes = std::count_if(pending_.begin(), pending_.end(), [&](const PendingHole& pending) {
+      return groups_inside(pending.hole, widest.from, widest.width) > 0;
     });
     unseen_.clear();
     if (holes > 1 && !could_be_chance(widest, holes)) unseen_.push_back(widest);

@@ -47,7 +47,7 @@ class HiddenSectors {
   /// Disjoint sectors of 10 deg and more.
   using Sectors = boost::container::static_vector<Sector, 36>;
   /// A hole with groups in unseen sectors, which may be lost or hidden.
-  struct Doubt {
+  struct PendingHole {
     StreamHole hole;
     std::int64_t counted;  // packets of it that count as lost
   };
@@ -63,7 +63,7 @@ class HiddenSectors {
 
   Sectors unseen_, recent_;  // nothing was received of them: since the stream began, in these ten turns
   bool certain_ = false;     // unseen_ is hidden: shown by a packet or by ten turns
-  boost::container::static_vector<Doubt, 64> doubts_;
+  boost::container::static_vector<PendingHole, 64> pending_;
   int turns_ = 0;
   Hundredths last_ = 0, packet_ = 1;  // azimuth and angle of the last packet
   std::uint64_t received_ = 0, lost_ = 0, reported_ = 0;
