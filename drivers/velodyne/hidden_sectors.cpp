@@ -145,7 +145,8 @@ std::uint64_t HiddenSectors::receive(const PacketAzimuths& azimuths) {
   packet_ =
       std::max(1, static_cast<Hundredths>(azimuths.step_deg * 100 * static_cast<double>(azimuths.groups)));
   bool moved = false;
-  for (std::size_t g = 0; g < azimuths.groups; ++g) {
+  const bool any = !unseen_.empty() || !recent_.empty();
+  for (std::size_t g = 0; any && g < azimuths.groups; ++g) {
     moved = exclude(azimuths.group[g], unseen_) || moved;
     exclude(azimuths.group[g], recent_);
   }
