@@ -126,31 +126,95 @@ constexpr std::array identities = {
     Identity{"OEM15", "sick_oem15xx"},
 };
 
-/// Full sweep of a family, as the device counts, and its scans per second.
+/// Evidence from the scans of a sender.
+struct ColaEvidence {
+  double start_deg = 0, end_deg = 0, step_deg = 0;  ///< as the device counts
+  double hz = 0;                                    ///< scans per second
+  double scale_mm = 1;                              ///< of one step of a distance
+  double farthest_m = 0;                            ///< of all scans so far
+};
+
+constexpr double slack_deg = 0.1;
+constexpr double any = 0;
+
+/// Possible scans of a family: a part of the sweep from `start_deg` to `end_deg` of the device, with one of
+/// the rates and steps and no distance beyond `farthest_m`.
 struct Family {
   std::string_view model;
   double start_deg, end_deg;
-  std::array<double, 5> hz;  ///< unused ones 0
+  std::array<double, 5> hz;        ///< unused ones 0; all 0: any
+  std::array<double, 9> step_deg;  ///< unused ones 0; all 0: any
+  double most_mm;                  ///< of one step of a distance (the scale factor); 0: any
+  double farthest_m;
 };
-/// The first family that fits is chosen, the others are named beside it; the narrower of two sweeps comes
-/// first. Rates of the LMS5xx: SICK 8013796 p. 85; the values of the others are from recordings or,
-/// unverified, from data sheets.
+/// The first family that fits is chosen. Rates and steps of the LMS5xx: SICK 8013796 p. 85; only the LMS5xx
+/// sends distances in steps of 2 mm, as its range of 80 m requires (16 bits of 1 mm end at 65 m). The values
+/// of the others are from recordings or, unverified, from data sheets.
 constexpr std::array families = {
-    Family{"sick_lms4000", 55, 125, {600}},     Family{"sick_lms5xx", -5, 185, {25, 35, 50, 75, 100}},
-    Family{"sick_tim7xx", -45, 225, {15}},      Family{"sick_tim7xxs", -45, 225, {15}},
-    Family{"sick_tim5xx", -45, 225, {15}},      Family{"sick_tim4xx", -30, 210, {15}},
-    Family{"sick_tim240", -120, 120, {14.5}},   Family{"sick_lms1xx", -45, 225, {25, 50}},
-    Family{"sick_lms1000", -47.5, 227.5, {50}}, Family{"sick_nav31x", 0, 360, {8}},
-    Family{"sick_oem15xx", 0, 360, {8}},        Family{"sick_lrs36x0", 0, 360, {8}},
+    Family{"sick_lms1000", -47.5, 227.5, {50}, {0.25}, 1, 64},
+    Family{"sick_tim7xx", -45, 225, {15}, {1.0 / 3}, 1, 25},
+    Family{"sick_tim7xxs", -45, 225, {15}, {1.0 / 3}, 1, 25},
+    Family{"sick_tim5xx", -45, 225, {15}, {1.0 / 3, 1}, 1, 25},
+    Family{"sick_tim4xx", -30, 210, {15}, {1.0 / 3}, 1, 25},
+    Family{"sick_tim240", -120, 120, {14.5}, {1}, 1, 10},
+    Family{"sick_lms1xx", -45, 225, {25, 50}, {0.25, 0.5}, 1, 50},
+    Family{"sick_lms4000", 55, 125, {600}, {}, 1, 6.5},
+    Family{"sick_lms5xx",
+           -5,
+           185,
+           {25, 35, 50, 75, 100},
+           {1.0 / 24, 1.0 / 12, 1.0 / 6, 0.25, 1.0 / 3, 0.5, 2.0 / 3, 0.75, 1},
+           2,
+           131},
+    Family{"sick_nav31x", 0, 360, {8}, {}, any, any},
+    Family{"sick_oem15xx", 0, 360, {8}, {}, any, any},
+    Family{"sick_lrs36x0", 0, 360, {8}, {}, any, any},
+    // Accept unlisted steps and rates. An LMS1xx turns at 25 or 50 Hz only.
+    Family{"sick_lms5xx", -5, 185, {}, {}, any, any},
+    Family{"sick_lms1xx", -45, 225, {25, 50}, {}, 1, 50},
+    Family{"sick_tim5xx", -45, 225, {}, {}, 1, 25},
 };
+/// The number of families whose scans are known from devices; the last three accept unlisted values.
+constexpr std::size_t known_families = families.size() - 3;
 
-/// True if the scan may be a part of the family's sweep.
-bool fits(const Family& family, const ColaGeometry& scan) {
-  constexpr double slack_deg = 0.1, slack_hz = 0.6;
-  const double end_deg = scan.start_deg + scan.step_deg * static_cast<double>(scan.beams - 1);
-  return scan.start_deg >= family.start_deg - slack_deg && end_deg <= family.end_deg + slack_deg &&
-         std::any_of(family.hz.begin(), family.hz.end(),
-                     [&](double hz) { return hz > 0 && std::abs(hz - scan.scan_hz) <= slack_hz; });
+bool near_to(double a, double b, double tolerance) { return std::abs(a - b) <= tolerance; }
+
+template <std::size_t Size>
+bool is_among(const std::array<double, Size>& values, double value, double tolerance) {
+  if (values[0] == any) return true;
+  return std::any_of(values.begin(), values.end(),
+                     [&](double each) { return each != any && near_to(each, value, tolerance); });
+}
+
+/// True for a full sweep of an LMS5xx, which is also a part of wider sweeps.
+bool is_whole_lms5xx(const ColaEvidence& seen) {
+  return near_to(seen.start_deg, -5, slack_deg) && near_to(seen.end_deg, 185, slack_deg);
+}
+
+bool fits(const Family& family, const ColaEvidence& seen) {
+  if (seen.start_deg < family.start_deg - slack_deg || seen.end_deg > family.end_deg + slack_deg)
+    return false;
+  if (is_whole_lms5xx(seen) && family.model != "sick_lms5xx") return false;
+  if (family.most_mm != any && seen.scale_mm > family.most_mm) return false;
+  // A device may exceed its range a little.
+  if (family.farthest_m != any && seen.farthest_m > 1.1 * family.farthest_m) return false;
+  return is_among(family.hz, seen.hz, 0.6) && is_among(family.step_deg, seen.step_deg, 1e-4);
+}
+
+/// Adds a telegram to the evidence. False if it has no distances.
+bool add_scan(const ColaScan& scan, ColaEvidence& seen) {
+  const ColaChannel* distance = scan.channel("DIST1");
+  if (distance == nullptr || distance->values.empty()) return false;
+  seen.step_deg = exact_step_deg(distance->step_deg);
+  seen.start_deg = distance->start_deg;
+  seen.end_deg = distance->start_deg + seen.step_deg * static_cast<double>(distance->values.size() - 1);
+  seen.hz = scan.scan_hz;
+  seen.scale_mm = static_cast<double>(distance->scale);
+  for (std::size_t i = 0; i < distance->values.size(); ++i) {
+    if (status_of_raw(distance->values[i]) == BeamStatus::hit)
+      seen.farthest_m = std::max(seen.farthest_m, distance->value(i) * 1e-3);
+  }
+  return true;
 }
 
 /// Recognizes scanners that speak CoLa in the bytes of one sender, see make_cola_recognizer().
@@ -173,7 +237,7 @@ class ColaRecognizer final : public Recognizer {
     if (!verdict_.empty() || scan_heads_ == 0) return {};
     std::string text =
         "LMDscandata of a SICK scanner (CoLa) begins " + std::to_string(scan_heads_) + " times, ";
-    if (parsed_) return text + "but its angles and rate are those of no known model; set the model";
+    if (parsed_) return text + "but its angles, rate and ranges are those of no known model; set the model";
     text += "but none could be read: ";
     if (missing_ > 0)
       return text + std::to_string(missing_) +
@@ -204,9 +268,7 @@ class ColaRecognizer final : public Recognizer {
       others_.clear();
       return;
     }
-    ColaGeometry geometry;
-    // The row gives the times between beams alone, which do not count here.
-    if (read_geometry(scan_, lms1xx, geometry)) choose(geometry);
+    if (add_scan(scan_, seen_)) choose();
   }
 
   void note_identity(std::string_view identity) {
@@ -217,21 +279,24 @@ class ColaRecognizer final : public Recognizer {
     others_.clear();
   }
 
-  void choose(const ColaGeometry& scan) {
+  /// The families that fit everything seen so far.
+  void choose() {
     verdict_ = {};
     others_.clear();
-    for (const Family& family : families) {
-      if (!fits(family, scan)) continue;
+    for (std::size_t i = 0; i < families.size(); ++i) {
+      if (i >= known_families && !verdict_.empty()) return;
+      if (!fits(families[i], seen_)) continue;
       if (verdict_.empty())
-        verdict_ = family.model;
+        verdict_ = families[i].model;
       else
-        others_.push_back(family.model);
+        others_.push_back(families[i].model);
     }
   }
 
   Counters counters_;
   ColaStream stream_{counters_};
   ColaScan scan_;
+  ColaEvidence seen_;
   std::string_view verdict_;
   std::vector<std::string_view> others_;
   std::uint64_t scan_heads_ = 0, missing_ = 0;

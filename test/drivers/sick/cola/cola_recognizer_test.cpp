@@ -21,7 +21,6 @@ namespace lidard::test {
 namespace {
 
 using ::testing::AllOf;
-using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -67,24 +66,46 @@ Verdict verdict_of(const Shown& shown) {
   return {std::string(recognizer->verdict()), recognizer->others()};
 }
 
-TEST(ColaRecognizer, RatesThatOneFamilyAloneHasDecide) {
+TEST(ColaRecognizer, StepsOfTwoMillimetresAreAnLms5xx) {
+  EXPECT_EQ(verdict_of({0, 0.5, 50, 241, 2}).model, "sick_lms5xx");
+  EXPECT_THAT(verdict_of({0, 0.5, 50, 241, 2}).others, IsEmpty());
+}
+
+TEST(ColaRecognizer, RatesAndStepsThatOneFamilyAloneHasDecide) {
   // SICK 8013796 p. 85.
-  for (const Shown& shown : {Shown{30, 2.0 / 3, 100, 181}, Shown{0, 0.25, 35, 400}, Shown{0, 0.5, 75, 200}}) {
-    EXPECT_EQ(verdict_of(shown).model, "sick_lms5xx");
-    EXPECT_THAT(verdict_of(shown).others, IsEmpty());
-  }
-  EXPECT_EQ(verdict_of({55, 0.0833, 600, 841}).model, "sick_lms4000");
-  EXPECT_EQ(verdict_of({-120, 1, 14.5, 241}).model, "sick_tim240");
+  EXPECT_EQ(verdict_of({30, 2.0 / 3, 100, 181}).model, "sick_lms5xx");
+  EXPECT_EQ(verdict_of({0, 0.25, 35, 400}).model, "sick_lms5xx");
+  EXPECT_EQ(verdict_of({0, 0.5, 75, 200}).model, "sick_lms5xx");
+  EXPECT_EQ(verdict_of({0, 1.0 / 6, 25, 600}).model, "sick_lms5xx");
+  EXPECT_THAT(verdict_of({0, 1.0 / 6, 25, 600}).others, IsEmpty());
+  EXPECT_EQ(verdict_of({-5, 0.5, 25, 381}).model, "sick_lms5xx") << "the whole sweep of one";
 }
 
 TEST(ColaRecognizer, WhatSeveralFamiliesSendIsSaidWithTheirNames) {
   const Verdict either = verdict_of({0, 0.5, 50, 241});
-  EXPECT_EQ(either.model, "sick_lms5xx");
-  EXPECT_THAT(either.others, ElementsAre("sick_lms1xx", "sick_lms1000"));
+  EXPECT_EQ(either.model, "sick_lms1xx");
+  EXPECT_THAT(either.others, ElementsAre("sick_lms5xx"));
   const Verdict tim = verdict_of({-45, 1.0 / 3, 15, 811});
   EXPECT_EQ(tim.model, "sick_tim7xx");
   EXPECT_THAT(tim.others, ElementsAre("sick_tim7xxs", "sick_tim5xx"));
-  EXPECT_EQ(verdict_of({-45, 0.5, 50, 541}).model, "sick_lms1xx") << "an LMS5xx does not look so far around";
+  EXPECT_THAT(verdict_of({-45, 0.5, 50, 541}).others, IsEmpty()) << "only an LMS1xx looks so far around";
+}
+
+TEST(ColaRecognizer, FifteenTurnsASecondAreNoLms1xx) {
+  EXPECT_EQ(verdict_of({-45, 1, 15, 271}).model, "sick_tim5xx");
+  EXPECT_THAT(verdict_of({-45, 1, 15, 271}).others, IsEmpty());
+  EXPECT_EQ(verdict_of({-45, 0.5, 15, 541}).model, "sick_tim5xx") << "no step that is known";
+  EXPECT_EQ(verdict_of({-45, 0.75, 50, 361}).model, "sick_lms1xx") << "likewise";
+}
+
+TEST(ColaRecognizer, ADistanceBeyondTheRangeOfAFamilyRulesItOut) {
+  const auto recognizer = sick::make_cola_recognizer();
+  show(*recognizer, Shown{0, 0.5, 50, 241});
+  EXPECT_EQ(recognizer->verdict(), "sick_lms1xx");
+  show(*recognizer, Shown{0, 0.5, 50, 241, 1, 60000});
+  EXPECT_EQ(recognizer->verdict(), "sick_lms5xx");
+  show(*recognizer, Shown{0, 0.5, 50, 241});
+  EXPECT_EQ(recognizer->verdict(), "sick_lms5xx") << "what was seen once counts";
 }
 
 TEST(ColaRecognizer, TheNameOfTheDeviceCountsMoreThanItsScans) {
@@ -119,6 +140,7 @@ TEST(ColaRecognizer, RecordedScansOfAnLms5xxAreRecognisedAndKeepTheirFarReturns)
       if (packet.from.port == 2111) identifier.add(packet);
     }
     ASSERT_EQ(identifier.verdict(), find_model("sick_lms5xx")) << each.capture;
+    EXPECT_EQ(identifier.remark(), "") << each.capture;
     DriverConfig config;
     config.model = identifier.verdict();
     const auto driver = config.model->make(config);
@@ -152,7 +174,7 @@ std::uint16_t made_mm(std::size_t beam, std::size_t scan) {
       2000 + 500 * std::sin(static_cast<double>(beam) / 40 + static_cast<double>(scan) / 10));
 }
 
-TEST(ColaRecognizer, TheHeadersOfATim551AreThoseOfATimWithEveryBeam) {
+TEST(ColaRecognizer, TheHeadersOfATim551AreATim5xxWithEveryBeam) {
   for (const char* capture : {"sick/tim551_colaa_header_a.pcap", "sick/tim551_colaa_header_b.pcap"}) {
     LIDARD_NEED_CAPTURE(path, capture);
     Identifier identifier;
@@ -160,7 +182,8 @@ TEST(ColaRecognizer, TheHeadersOfATim551AreThoseOfATimWithEveryBeam) {
     for (Packet packet; source.next(packet);) {
       if (packet.from.port == 2112) identifier.add(packet);
     }
-    EXPECT_THAT(identifier.others(), Contains(find_model("sick_tim5xx"))) << capture;
+    ASSERT_EQ(identifier.verdict(), find_model("sick_tim5xx")) << capture;
+    EXPECT_EQ(identifier.remark(), "");
     const Decoded got = decode_capture(path, "sick_tim5xx");
     ASSERT_EQ(got.output.scans.size(), 40U);
     EXPECT_EQ(got.counters.rejected_total(), 0U);
