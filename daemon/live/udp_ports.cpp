@@ -8,7 +8,6 @@
 
 #include "daemon/config/config.h"
 #include "daemon/pipeline/log.h"
-#include "drivers/net/host_network.h"
 
 namespace lidard {
 namespace {
@@ -108,8 +107,6 @@ void UdpPorts::note_changes() {
   for (auto& port : ports_) {
     const UdpState& state = port.source->state();
     if (state.phase != port.known.phase || state.message != port.known.message) {
-      // Only on changes of the state, since the search reads files of every process.
-      port.holder = state.phase == UdpState::Phase::waiting ? holder_of_udp_port(port.number) : std::string();
       if (state.phase == UdpState::Phase::receiving) log_info("listening on port {}", port.number);
       port.known = state;
     }
@@ -128,7 +125,7 @@ void UdpPorts::add_diagnostics(std::vector<DiagnosticItem>& items) const {
                   : receives(state)                         ? Health::warn
                                                             : Health::error;
     item.is_up = receives(state);
-    item.message = state.message.empty() ? "listening" : message_of(port);
+    item.message = state.message.empty() ? "listening" : state.message;
     if (item.health == Health::ok && !port.source->warning().empty()) {
       item.set(Health::warn, port.source->warning());
     }
@@ -146,11 +143,6 @@ void UdpPorts::add_diagnostics(std::vector<DiagnosticItem>& items) const {
   }
 }
 
-std::string UdpPorts::message_of(const Port& port) {
-  const std::string& message = port.source->state().message;
-  return port.holder.empty() ? message : message + " (it is " + port.holder + ")";
-}
-
 std::uint64_t UdpPorts::datagrams() const {
   std::uint64_t all = 0;
   for (const auto& port : ports_) all += port.source->stats().datagrams;
@@ -159,7 +151,7 @@ std::uint64_t UdpPorts::datagrams() const {
 
 std::string UdpPorts::trouble(std::uint16_t port) const {
   for (const auto& each : ports_) {
-    if (each.number == port && !receives(each.source->state())) return message_of(each);
+    if (each.number == port && !receives(each.source->state())) return each.source->state().message;
   }
   return {};
 }

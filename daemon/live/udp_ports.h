@@ -28,8 +28,7 @@ class UdpPorts {
   void catch_up();
   /// Call after interfaces or addresses of this host have changed.
   void interfaces_changed();
-  /// Logs opened ports and finds the program that holds a port that cannot be opened. Other changes are in
-  /// add_diagnostics().
+  /// Logs opened ports. Other changes are in add_diagnostics().
   void note_changes();
   /// One item per port.
   void add_diagnostics(std::vector<DiagnosticItem>& items) const;
@@ -43,11 +42,9 @@ class UdpPorts {
     std::uint16_t number = 0;
     std::unique_ptr<UdpSource> source;
     UdpState known;
-    std::string holder;  // the program that has bound the port
     std::uint64_t known_drops = 0;
     std::chrono::steady_clock::time_point dropped_at{};
   };
-  static std::string message_of(const Port& port);
 
   boost::asio::io_context& io_;
   const UdpSource::Handler handler_;

@@ -25,9 +25,8 @@ constexpr std::int64_t turns_between_fits = 64;
 constexpr std::int64_t line_tolerance = ms / 10;
 /// A wider band of ticks means that the motor changed its speed.
 constexpr double widest_band = 1.25e6;
-/// A motor's jitter, and the time in which a sensor that sends on its tick has processed what it measured.
-/// Both are unverified; a slower sensor sends on a later tick, where this makes it miss one.
-constexpr std::int64_t tick_margin = ms / 20, longest_processing = 3 * ms / 10;
+/// A motor's jitter, unverified.
+constexpr std::int64_t tick_margin = ms / 20;
 constexpr std::size_t first_delay = 16;
 /// Comparisons of one row: the clocks drift apart by 0.5 ms then if they differ by 1000 ppm.
 constexpr Span comparison_age = std::chrono::milliseconds(500);
@@ -213,9 +212,6 @@ Stamp ScipClock::as_compared(Stamp begin, Span read, const Sweep& sweep) const {
 /// Begin of the newest turn by the line. A better line is applied to all turns so far again.
 Span ScipClock::begin_by_line(const Sweep& sweep, Span read) {
   if (turns_.fit()) {
-    std::size_t sure = 0;
-    for (const TurnLine::Turn& turn : turns_.turns()) sure += knows_tick(turn, sweep) ? 1 : 0;
-    only_sure_ = sure >= turns_for_fit;
     clock_.restart();
     for (const TurnLine::Turn& turn : turns_.turns()) observe_turn(turn, sweep);
   } else {
@@ -225,19 +221,10 @@ Span ScipClock::begin_by_line(const Sweep& sweep, Span read) {
   return on_tick_ ? std::clamp(begin, read, read + Span(ms)) : begin;
 }
 
-/// False where a sweep ended so close to a tick that it may have left on that one or on the next.
-bool ScipClock::knows_tick(const TurnLine::Turn& turn, const Sweep& sweep) const {
-  if (!on_tick_) return true;
-  const std::int64_t margin = 2 * turns_.uncertainty() + tick_margin;
-  const std::int64_t ended = (turns_.begin(turn.number) + sweep.until_sent.count()) % ms;
-  return ended > margin && ended + margin + longest_processing < ms;
-}
-
 void ScipClock::observe_turn(const TurnLine::Turn& turn, const Sweep& sweep) {
-  if (only_sure_ && !knows_tick(turn, sweep)) return;
   std::int64_t begin = turns_.begin(turn.number);
   // As far as the line is uncertain, the sweep may have ended before a tick.
-  if (on_tick_ && !only_sure_) begin = std::max(turn.tick, begin - 2 * turns_.uncertainty() - tick_margin);
+  if (on_tick_) begin = std::max(turn.tick, begin - 2 * turns_.uncertainty() - tick_margin);
   clock_.observe(sent_at(Span(begin), sweep), Stamp{turn.arrival});
 }
 

@@ -93,14 +93,12 @@ class ScipClock {
   Span unwrap(ScipStamp stamp, Stamp arrival);
   Span begin_by_line(const Sweep& sweep, Span read);
   Span sent_at(Span begin, const Sweep& sweep) const;
-  bool knows_tick(const TurnLine::Turn& turn, const Sweep& sweep) const;
   void observe_turn(const TurnLine::Turn& turn, const Sweep& sweep);
   void learn_delay(Stamp now);
   Stamp as_compared(Stamp begin, Span read, const Sweep& sweep) const;
 
   ClockMode mode_;
   bool on_tick_;
-  bool only_sure_ = false;  // enough sweeps left on a tick that is known
   DeviceClock clock_;
   TurnLine turns_;
   bool known_ = false;

@@ -10,7 +10,6 @@
 #include <sys/socket.h>
 
 #include <cstring>
-#include <filesystem>
 #include <fstream>
 #include <map>
 #include <sstream>
@@ -19,8 +18,6 @@
 
 namespace lidard {
 namespace {
-
-namespace fs = std::filesystem;
 
 std::uint32_t bits(const IpAddress& address) {
   std::uint32_t raw = 0;
@@ -48,37 +45,6 @@ std::uint64_t counter(const char* file, const std::string& table, const std::str
     }
   }
   return 0;
-}
-
-/// The socket that is bound to a UDP port, by /proc/net/udp: proc(5).
-struct UdpEntry {
-  std::string inode, user;
-};
-UdpEntry entry_of(std::uint16_t port) {
-  std::ifstream in("/proc/self/net/udp");
-  std::string line;
-  std::getline(in, line);  // the head
-  while (std::getline(in, line)) {
-    std::istringstream fields(line);
-    std::string number, local, remote, state, queues, timer, retransmits, user, time_out, inode;
-    fields >> number >> local >> remote >> state >> queues >> timer >> retransmits >> user >> time_out >>
-        inode;
-    const std::size_t colon = local.find(':');
-    if (colon == std::string::npos) continue;
-    if (std::strtoul(local.c_str() + colon + 1, nullptr, 16) == port) return {inode, user};
-  }
-  return {};
-}
-
-bool holds_socket(const fs::path& process, const std::string& inode) {
-  const std::string wanted = "socket:[" + inode + "]";
-  std::error_code error;
-  for (fs::directory_iterator file(process / "fd", error), end; !error && file != end;
-       file.increment(error)) {
-    std::error_code gone;
-    if (fs::read_symlink(file->path(), gone) == wanted) return true;
-  }
-  return false;
 }
 
 }  // namespace
@@ -153,21 +119,6 @@ bool has_route_to(const IpAddress& address) {
   to.sin_port = htons(9);  // connect(2) of a datagram socket sends nothing
   std::memcpy(&to.sin_addr, address.bytes.data(), sizeof to.sin_addr);
   return connect(fd.get(), reinterpret_cast<const sockaddr*>(&to), sizeof to) == 0;
-}
-
-std::string holder_of_udp_port(std::uint16_t port) {
-  const UdpEntry entry = entry_of(port);
-  if (entry.inode.empty()) return {};
-  std::error_code error;
-  for (fs::directory_iterator each("/proc", error), end; !error && each != end; each.increment(error)) {
-    const std::string process = each->path().filename().string();
-    if (process.find_first_not_of("0123456789") != std::string::npos) continue;
-    if (!holds_socket(each->path(), entry.inode)) continue;
-    std::string name;
-    std::getline(std::ifstream(each->path() / "comm"), name);
-    return name.append(" (process " + process + ")");
-  }
-  return "a program of user " + entry.user;
 }
 
 }  // namespace lidard

@@ -43,8 +43,4 @@ std::map<IpAddress, std::string> read_neighbours();
 /// True if the kernel has a route to the address, direct or through a gateway.
 bool has_route_to(const IpAddress& address);
 
-/// The program that has bound a UDP port of this host: "velodyne_node (process 4711)", or "a program of user
-/// 1000" if the process is not accessible; empty: not known. The call needs milliseconds.
-std::string holder_of_udp_port(std::uint16_t port);
-
 }  // namespace lidard

@@ -52,10 +52,6 @@ std::string gps_text(char gps) {
   return gps == 'A' ? "PPS and NMEA" : gps == 'V' ? "NMEA only" : gps == 'P' ? "PPS only" : "none";
 }
 
-std::string address_text(const std::array<std::uint8_t, 4>& ip) {
-  return printed("%d.%d.%d.%d", ip[0], ip[1], ip[2], ip[3]);
-}
-
 std::string return_mode_text(std::uint8_t mode) {
   constexpr const char* modes[] = {"strongest", "last", "both"};
   return mode < std::size(modes) ? modes[mode] : printed("unknown (%d)", mode);
@@ -89,15 +85,9 @@ std::vector<std::pair<std::string, std::string>> hdl64_details(const Hdl64Info& 
   if (!info.settings) return details;
   const Hdl64Settings& settings = *info.settings;
   details.emplace_back("series", info.is_s3 ? "S3" : "S2");
-  details.emplace_back("calibrated", settings.calibrated ? settings.calibrated->to_string() : "no date");
   details.emplace_back("rpm", printed("%d", settings.rpm));
   details.emplace_back("fov_deg", printed("%.2f to %.2f", settings.fov_start_deg, settings.fov_end_deg));
   details.emplace_back("return_mode", return_mode_text(settings.return_mode));
-  details.emplace_back("power_level", printed("%02X", settings.power_level));
-  details.emplace_back("life_hours", printed("%d", settings.life_hours));
-  details.emplace_back("humidity_percent", printed("%d", settings.humidity));
-  details.emplace_back("source", address_text(settings.source));
-  details.emplace_back("destination", address_text(settings.destination));
   return details;
 }
 
@@ -279,28 +269,15 @@ LaserCalibration Hdl64Status::laser(int index) const {
   return laser;
 }
 
-/// 63-HDL64ES3 Rev K p. 37. In an S3 the first byte, the year, has the type of any other byte.
+/// 63-HDL64ES3 Rev K p. 37.
 void Hdl64Status::read_settings() {
   if (times_known(settings_begin, round_bytes) == 0) return;
-  const auto byte = [&](int offset) {
-    return bytes_[static_cast<std::size_t>(settings_begin + offset)].value;
-  };
   Hdl64Settings settings;
-  bool has_date = true;
-  for (int i = 0; i < 6; ++i) has_date = has_date && byte(i) != 0xFF;
-  if (has_date) settings.calibrated = SensorDate{2000 + byte(0), byte(1), byte(2), byte(3), byte(4), byte(5)};
-  settings.humidity = byte(6);
   settings.rpm = static_cast<std::int16_t>(le16(settings_begin + 7));
   settings.fov_start_deg = le16(settings_begin + 9) / 1e2;
   settings.fov_end_deg = le16(settings_begin + 11) / 1e2;
-  settings.life_hours = le16(settings_begin + 13);
-  for (int i = 0; i < 4; ++i) {
-    settings.source[static_cast<std::size_t>(i)] = byte(15 + i);
-    settings.destination[static_cast<std::size_t>(i)] = byte(19 + i);
-  }
-  settings.return_mode = byte(23);
-  settings.power_level = byte(25);
-  if (!info_.is_s3) info_.warnings = byte(24);
+  settings.return_mode = bytes_[settings_begin + 23].value;
+  if (!info_.is_s3) info_.warnings = bytes_[settings_begin + 24].value;
   info_.settings = settings;
 }
 

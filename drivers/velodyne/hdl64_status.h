@@ -22,14 +22,9 @@ struct SensorDate {
 
 /// The settings of an HDL-64E, sent once per round of the status bytes (about once per second).
 struct Hdl64Settings {
-  std::optional<SensorDate> calibrated;  ///< when the factory calibrated it
-  int humidity = 0;                      ///< %
   int rpm = 0;
   double fov_start_deg = 0, fov_end_deg = 0;
-  int life_hours = 0;
-  std::array<std::uint8_t, 4> source{}, destination{};  ///< IPv4
-  std::uint8_t return_mode = 0;                         ///< 0 strongest, 1 last, 2 both
-  std::uint8_t power_level = 0;                         ///< 0xA8, 0xA0, 0xn8
+  std::uint8_t return_mode = 0;  ///< 0 strongest, 1 last, 2 both
 };
 
 /// The state that an HDL-64E reports besides the calibration.

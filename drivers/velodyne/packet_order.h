@@ -118,10 +118,6 @@ class PacketOrder {
   void set_turn_rate(double deg_per_s) { turn_rate_ = deg_per_s; }
   /// Number of overflows of the stamps' hour.
   std::uint64_t wraps() const { return wraps_; }
-  /// The wrong product byte of packets that belong to the model, if any.
-  std::optional<std::uint8_t> lying_product() const { return lying_product_; }
-  /// The product byte of rejected packets of another model, if any.
-  std::optional<std::uint8_t> refused_product() const { return refused_product_; }
 
  private:
   Span period(const OrderedPacket& p) const { return row_.packet_period(*timing_, p.layout->echoes); }
@@ -151,7 +147,6 @@ class PacketOrder {
     hole.step = step;
     hole.echoes = packet.layout->echoes;
     hole.hole.from = last_azimuths_.group[0];
-    hole.hole.last = last_azimuths_.group[last_azimuths_.groups - 1];
     hole.hole.per_packet = static_cast<std::int64_t>(last_azimuths_.groups);
     // The azimuths give the angle modulo a turn, the rotation gives the number of turns.
     constexpr Hundredths jitter = 100;
@@ -228,7 +223,6 @@ class PacketOrder {
         return Reject::none;
       }
       counters_.reject(Reject::model);  // for the held packet
-      refused_product_ = held_.view().product();
       held_ = packet;
       return Reject::model;
     } else if (started_) {
@@ -236,7 +230,6 @@ class PacketOrder {
         lying_product_ = product;
         return Reject::none;
       }
-      refused_product_ = product;
       counters_.reject(Reject::model);
       return Reject::model;
     }
@@ -280,8 +273,7 @@ class PacketOrder {
   std::size_t early_count_ = 0;
   double turn_rate_ = 0;
   Span time_{0};
-  std::optional<std::uint8_t> lying_product_;
-  std::optional<std::uint8_t> refused_product_;
+  std::optional<std::uint8_t> lying_product_;  // wrong, of packets that belong to the model
 };
 
 }  // namespace lidard::velodyne

@@ -11,7 +11,6 @@
 #include "drivers/velodyne/models.h"
 #include "drivers/velodyne/packet.h"
 #include "drivers/velodyne/packet_order.h"
-#include "drivers/velodyne/stream_facts.h"
 #include "drivers/velodyne/telemetry.h"
 #include "drivers/velodyne/timing.h"
 #include "drivers/velodyne/web/web_dialogue.h"
@@ -44,10 +43,9 @@ class VelodyneDriver final : public DriverBase {
 
   Verdict receive(const Packet& packet, DriverOutput& out) override {
     if (packet.transport == Transport::tcp) {
-      if (web_) web_->dialogue.receive(packet, out);
+      if (web_) web_->receive(packet, out);
       return {};
     }
-    if (web_) web_->facts.add(packet);
     if (packet.payload.size() == position_packet_size) {
       ++counters_.other_packets;
       return {false, telemetry_.receive(packet.payload, packet.arrival, out, info_)};
@@ -55,6 +53,7 @@ class VelodyneDriver final : public DriverBase {
     incoming_.index = static_cast<std::uint32_t>(counters_.packets++);
     counters_.bytes += packet.payload.size();
     incoming_.arrival = packet.arrival;
+    data_to_ = packet.to;
     // Copied first: one read of the memory is faster than access to single blocks.
     if (packet.payload.size() == packet_size)
       std::memcpy(incoming_.bytes.data(), packet.payload.data(), packet_size);
@@ -69,13 +68,7 @@ class VelodyneDriver final : public DriverBase {
     const std::uint8_t product = incoming_.view().product();
     const bool may_be_old = row_.without_factory_bytes != nullptr && !is_product(product);
     incoming_.other_product = row_.names_product() && !row_.has_product(product) && !may_be_old;
-    const Reject verdict =
-        order_.add(incoming_, [&](const OrderedPacket& p, Span time) { accept(p, time, out); });
-    if (incoming_.other_product) {
-      if (product == order_.lying_product()) note_product(product, false);
-      if (product == order_.refused_product()) note_product(product, true);
-    }
-    return {true, verdict};
+    return {true, order_.add(incoming_, [&](const OrderedPacket& p, Span time) { accept(p, time, out); })};
   }
 
   void finish(DriverOutput& out) override {
@@ -95,53 +88,39 @@ class VelodyneDriver final : public DriverBase {
     pending_ = in_stream_ = false;
   }
   void connected(Stamp now, DriverOutput& out) override {
-    if (web_) web_->dialogue.connected(now, out);
+    if (web_) web_->connected(now, out);
   }
   void disconnected() override {
-    if (web_) web_->dialogue.disconnected();
+    if (web_) web_->disconnected();
   }
   void tick(Stamp now, DriverOutput& out) override {
     telemetry_.tick(now, info_);
     describe_clock(clock_, order_.wraps(), now);
-    if (web_) web_->dialogue.tick(now, out);
+    if (web_) web_->tick(now, out);
     constexpr Span describe_period = std::chrono::seconds(1);
     if (now - described_ < describe_period && described_ < now) return;
     described_ = now;
-    forget_foreign(now);
     describe_status();
   }
 
   std::optional<SettingsStatus> settings(Stamp now) const override {
     if (!web_) return std::nullopt;
     constexpr Span silent_after = std::chrono::seconds(1);
-    const StreamFacts& facts = web_->facts;
-    Received received;
-    received.data = facts.last_arrival() && now - *facts.last_arrival() < silent_after;
-    received.destination = facts.destination();
-    received.returns = facts.returns();
-    received.rpm = facts.rpm();
-    received.listens_on = config_.control->data_port;
-    return web_status(web_->dialogue.state(), received);
+    const bool has_data = counters_.packets > 0 && now - incoming_.arrival < silent_after;
+    return web_status(web_->state(), {has_data, data_to_, config_.control->data_port});
   }
 
  private:
-  /// The web interface, and the received data to compare with its report.
-  struct Web {
-    explicit Web(const VelodyneControl& control) : dialogue(control) {}
-    WebDialogue dialogue;
-    StreamFacts facts;
-  };
-
   Reject check(ByteView payload) {
     if (payload.size() != packet_size) return Reject::size;
     const DataPacket packet(payload);
     const Reject reason = check_blocks(packet, layout_of(packet, row_));
-    if (reason == Reject::magic && !row_.names_product() && note_generation(payload)) return Reject::model;
-    // Name the model of packets with another layout.
-    if (reason == Reject::none || row_.has_product(packet.product()) || !is_product(packet.product()))
-      return reason;
-    if (row_.names_product()) note_product(packet.product(), true);
-    return row_.names_product() ? Reject::model : reason;
+    if (reason == Reject::none || row_.has_product(packet.product())) return reason;
+    if (row_.names_product()) return is_product(packet.product()) ? Reject::model : reason;
+    // An HDL-64E S1 has another order of blocks than the later ones.
+    const ModelRow* other = reason == Reject::magic ? family_of(payload) : nullptr;
+    const bool is_hdl64e = other != nullptr && !other->names_product();
+    return is_hdl64e && other->has_stamp() != row_.has_stamp() ? Reject::model : reason;
   }
 
   /// Accepts a packet in order; it waits for the next packet if its times depend on that one.
@@ -276,44 +255,6 @@ class VelodyneDriver final : public DriverBase {
     return turns < 1 || turns > recent_turns ? usual : plausible_rate((360 * turns + beyond) / elapsed);
   }
 
-  void note_product(std::uint8_t product, bool refused) {
-    foreign_at_ = incoming_.arrival;
-    if (product == reported_product_) return;
-    reported_product_ = product;
-    const std::string says =
-        "packets have the product byte of " + product_name(product) + ", configured is " +
-        std::string(config_.model->product) +
-        (refused
-             ? "; the packets are rejected: correct `model`, or `ip_address` if two sensors share the port"
-             : "; the packet period is that of the configured model, so the packets are decoded");
-    auto& all = info_.warnings;
-    if (std::find(all.begin(), all.end(), says) == all.end()) all.push_back(says);
-  }
-
-  /// Clears the warning after packets of another model have stopped.
-  void forget_foreign(Stamp now) {
-    constexpr Span news = std::chrono::seconds(10);
-    if (now - foreign_at_ < news) return;
-    reported_product_ = 0;
-    generation_warning_.clear();
-    auto& all = info_.warnings;
-    const auto is_old = [](const std::string& text) { return text.rfind("packets ", 0) == 0; };
-    all.erase(std::remove_if(all.begin(), all.end(), is_old), all.end());
-  }
-
-  /// True if the packets are those of another HDL-64E: an S1 has another order of blocks.
-  bool note_generation(ByteView payload) {
-    const ModelRow* other = family_of(payload);
-    if (other == nullptr || other->names_product() || other->has_stamp() == row_.has_stamp()) return false;
-    foreign_at_ = incoming_.arrival;
-    if (!generation_warning_.empty()) return true;
-    generation_warning_ = "packets are those of an HDL-64E " +
-                          std::string(other->has_stamp() ? "S2, S2.1 or S3" : "S1") + ", configured is " +
-                          std::string(config_.model->product) + "; the packets are rejected: correct `model`";
-    info_.warnings.push_back(generation_warning_);
-    return true;
-  }
-
   /// Reads the last two bytes: state and calibration of an HDL-64E, which has no product byte.
   void read_status(const DataPacket& packet) {
     status_.add(packet.mode(), packet.product());
@@ -332,7 +273,6 @@ class VelodyneDriver final : public DriverBase {
     info_.details.emplace_back("calibration", source);
     for (auto& detail : hdl64_details(status_.info())) info_.details.push_back(std::move(detail));
     info_.warnings = hdl64_warnings(status_.info());
-    if (!generation_warning_.empty()) info_.warnings.push_back(generation_warning_);
   }
 
   const ModelRow& row_;
@@ -342,7 +282,8 @@ class VelodyneDriver final : public DriverBase {
   CloudBuilder frames_;
   DeviceClock clock_;
   TelemetryReceiver telemetry_;
-  std::optional<Web> web_;
+  std::optional<WebDialogue> web_;
+  Endpoint data_to_;  // of the newest data packet
   Hdl64Status status_;
   std::shared_ptr<const Calibration> sent_;  // by the sensor, in the last two bytes
   Stamp described_{};
@@ -357,9 +298,6 @@ class VelodyneDriver final : public DriverBase {
   double turned_deg_ = 0, turned_s_ = 0;
   std::optional<std::pair<Span, double>>
       edge_;  // when the last hidden sector inside a packet began, and where
-  std::uint8_t reported_product_ = 0;
-  Stamp foreign_at_{};  // the newest packet of another model
-  std::string generation_warning_;
 };
 
 }  // namespace

@@ -6,7 +6,6 @@ within 1 s and an ERROR within 3 s of the last packet, and all is well at most 2
 this host's network is named with the remedy: link, address, reverse path filter, port, receiver."""
 import contextlib
 import json
-import os
 import re
 import socket
 import struct
@@ -225,8 +224,7 @@ def taken_port(tmp):
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
         other.bind(("0.0.0.0", 2368))
         with daemon(tmp):
-            says("roof", f"port 2368 is in use by another program; find it with `ss -lunp 'sport = :2368'` (it is python3 (process "
-                 f"{os.getpid()}))", "another program at the port")
+            says("roof", "port 2368 is in use by another program; find it with `ss -lunp 'sport = :2368'`", "another program at the port")
             starved, since = Starved(), time.monotonic()
             other.close()
             wait_for(lambda: item("port 2368")["message"] == "listening" or "receive buffer" in item("port 2368")["message"], 5, "the port is open")

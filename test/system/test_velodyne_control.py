@@ -120,9 +120,10 @@ def only_reading(tmp):
     """Reads at its pace, and notices that the data are not what the sensor reports."""
     with sensor() as server, daemon(tmp, server, "read: true") as (_, log, port):
         starved = Starved()
+        server.config["host"]["addr"] = "127.0.0.99"
         send = f"while :; do '{LIDARD_SIM}' send '{ROOT}/pcaps/vlp16_dual.pcap' --to 127.0.0.1 --port-map=2368={port}; done"
         with process(["/bin/sh", "-c", send], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL):
-            wait_for(lambda: "reports returns Strongest, but its data are marked Dual" in log(), 40,
+            wait_for(lambda: "sends to 127.0.0.99, but its data arrive for 127.0.0.1" in log(), 40,
                      "the log tells the contradiction:\n" + log())
             wait_for(lambda: len(server.seen("GET")) >= 4, 30, f"it reads on: {server.seen()}")
         expect(len(server.seen("GET")) == len(server.seen()), f"only reads: {server.seen()}")

@@ -177,36 +177,6 @@ std::string describe_action(ByteView v) {
   return text.empty() ? "none" : text;
 }
 
-std::optional<SafetyField> read_field(ByteView v) {
-  // sick_safetyscanners_base, src/data_processing/ParseFieldHeaderData.cpp
-  if (!has_version(v, 88)) return std::nullopt;
-  SafetyField field;
-  field.defined = v.u8(72) != 0;
-  field.method = v.u8(73);
-  field.set = v.le16(82);
-  const std::size_t length = std::min<std::size_t>(v.le32(84), v.size() - 88);
-  field.name = clean_text(v.sub(88, length));
-  return field;
-}
-
-std::string SafetyField::describe() const {
-  std::string kind = "method " + std::to_string(method);
-  if (method == 4 || method == 14) kind = "protective";
-  if (method == 5 || method == 15) kind = "warning";
-  return name + " (" + kind + ", set " + std::to_string(set) + ")";
-}
-
-std::string describe_case(ByteView v) {
-  // sick_safetyscanners_base, src/data_processing/ParseMonitoringCaseData.cpp
-  constexpr std::size_t first = 157, stride = 4, count = 8;
-  if (!has_version(v, first + stride * count)) return {};
-  std::string fields;
-  for (std::size_t i = 0; i < count; ++i) {
-    if ((v.u8(first + stride * i) & 1U) != 0) fields += " " + std::to_string(v.le16(first + stride * i + 1));
-  }
-  return "case " + std::to_string(v.le16(6)) + ": " + (fields.empty() ? "no field" : "fields" + fields);
-}
-
 std::string refusal_text(std::uint8_t result) {
   // SICK 8022708 p. 42
   constexpr std::array<const char*, 7> words = {

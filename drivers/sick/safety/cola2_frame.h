@@ -55,9 +55,7 @@ constexpr std::uint16_t project_name = 18;
 constexpr std::uint16_t status_overview = 23;
 constexpr std::uint16_t application_name = 33;
 constexpr std::uint16_t current_output = 178;
-constexpr std::uint16_t monitoring_case = 2101;  ///< and the following
-constexpr std::uint16_t field_header = 0x2710;   ///< reserved for contour data; fields are the following
-constexpr std::uint16_t change_output = 176;     ///< a method
+constexpr std::uint16_t change_output = 176;  ///< a method
 }  // namespace safety_index
 
 /// Settings of a scanner's data output.
@@ -94,20 +92,6 @@ double range_of(const std::string& type_code);
 std::string describe_status(ByteView variable);
 /// The user action that the scanner requires, in words; "none".
 std::string describe_action(ByteView variable);
-
-/// One configured field.
-struct SafetyField {
-  std::string name;
-  std::uint8_t method = 0;  ///< 4, 14 protective field, 5, 15 warning field
-  std::uint16_t set = 0;
-  bool defined = false;
-
-  std::string describe() const;  ///< "Front (protective, set 1)"
-};
-/// Empty where there is no field under the index.
-std::optional<SafetyField> read_field(ByteView variable);
-/// "case 3: fields 1 2"; empty where no case is defined under the index.
-std::string describe_case(ByteView variable);
 
 /// Why a change of the data output was refused, with the remedy; empty if it was accepted.
 std::string refusal_text(std::uint8_t result);

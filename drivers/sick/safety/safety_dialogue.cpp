@@ -23,8 +23,6 @@ constexpr std::array<std::uint16_t, 9> variables = {
 /// Changes are made on the first data output channel; microScan3 has but one.
 constexpr std::uint8_t channel = 0;
 constexpr Span patience = std::chrono::seconds(2);
-constexpr std::uint16_t most_fields = 128;  // indices up to the first geometry, 0x2810
-constexpr std::uint16_t most_cases = 254;
 /// The session ends after so many seconds without a telegram (SICK 8022708 p. 30 advises 30).
 constexpr std::uint8_t session_timeout_s = 30;
 
@@ -38,8 +36,6 @@ const char* label_of(std::uint16_t index) {
   if (index == idx::project_name) return "Project Name";
   return index == idx::application_name ? "Application Name" : nullptr;
 }
-
-void add_to_list(std::string& list, const std::string& entry) { list += (list.empty() ? "" : "; ") + entry; }
 
 /// The dialogue with a safety scanner over CoLa 2 (TCP 2122): reads identity and data output, compares the
 /// output with the configuration and, if allowed, changes it and reads it again. Then it hangs up: some
@@ -73,9 +69,6 @@ class SafetyDialogue final : public SideDialogue {
   void begin() override {
     stream_.clear();
     session_ = 0;
-    refused_ = false;
-    fields_.clear();
-    cases_.clear();
   }
 
   void script(DriverOutput& out) override {
@@ -93,23 +86,11 @@ class SafetyDialogue final : public SideDialogue {
       }
       if (is_to_be_changed()) {
         yield change_output(out);
-        refused_ = !was_changed(out);
-        if (!refused_) {
+        if (was_changed(out)) {
           yield read(idx::current_output, out);
           verify();
         }
       }
-      // Fields, then monitoring cases, each up to the first index that holds none.
-      for (index_ = idx::field_header; !refused_ && index_ < idx::field_header + most_fields; ++index_) {
-        yield read(index_, out);
-        if (!store_field()) break;
-      }
-      if (!fields_.empty()) detail("Fields", fields_);
-      for (index_ = idx::monitoring_case; !refused_ && index_ < idx::monitoring_case + most_cases; ++index_) {
-        yield read(index_, out);
-        if (!store_case()) break;
-      }
-      if (!cases_.empty()) detail("Configured Monitoring Cases", cases_);
       yield ask_in_mode('C', 'X', {}, out);
       hang_up(true, out);
     }
@@ -212,21 +193,6 @@ class SafetyDialogue final : public SideDialogue {
            "; another program may have changed it");
   }
 
-  /// Lists a field; false after the last one.
-  bool store_field() {
-    const auto field = read_field(value_);
-    if (field && field->defined) add_to_list(fields_, field->describe());
-    // The first index may be empty, it is reserved (sick_safetyscanners_base, src/SickSafetyscanners.cpp,
-    // requestFieldData).
-    return field || index_ == idx::field_header;
-  }
-
-  bool store_case() {
-    const std::string text = describe_case(value_);
-    if (!text.empty()) add_to_list(cases_, text);
-    return !text.empty();
-  }
-
   void fail(const std::string& why, DriverOutput& out) {
     warn("the scanner " + why + "; its settings were not " + (requests_.allow_write ? "written" : "read"));
     hang_up(false, out);
@@ -259,12 +225,9 @@ class SafetyDialogue final : public SideDialogue {
   ByteView value_;  // of the answer
   std::uint32_t session_ = 0;
   std::uint16_t request_ = 0;
-  std::uint16_t index_ = 0;  // of fields and cases
   std::size_t variable_ = 0;
-  bool refused_ = false;
   std::string type_code_;
   SafetyOutput present_, target_;
-  std::string fields_, cases_;
 };
 
 }  // namespace

@@ -9,7 +9,8 @@
 namespace lidard::velodyne {
 namespace {
 
-/// After this number of writes a setting counts as refused; reset when the sensor was unreachable.
+/// After this number of writes a setting counts as refused; reset when the sensor was unreachable or has all
+/// settings. Without an answer to a write the next snapshot shows whether the sensor applied the change.
 constexpr int most_attempts = 3;
 /// More than any answer with its header.
 constexpr std::size_t most_received = 128 * 1024UL;
@@ -25,10 +26,7 @@ void replace_section(VelodyneTree& tree, const std::string& prefix, const Velody
 }  // namespace
 
 WebDialogue::WebDialogue(const VelodyneControl& control, const WebTiming& timing)
-    : control_(control),
-      timing_(timing),
-      where_(Endpoint{control.address, control.port}.to_string()),
-      retry_(timing.first_retry) {}
+    : control_(control), timing_(timing), where_(Endpoint{control.address, control.port}.to_string()) {}
 
 /// The dialogue. It continues after a `yield` when the request was answered or has failed, or when the pause
 /// is over.
@@ -47,8 +45,7 @@ void WebDialogue::script(DriverOutput& out) {
         yield request(changes_[change_].path, changes_[change_].body);
         finish_write(out);
       }
-      report_verified(out);
-      yield pause(next_pause());
+      yield pause(changes_.empty() ? timing_.period : timing_.settle);
     }
   }
 }
@@ -151,6 +148,7 @@ void WebDialogue::finish_reading() {
   VelodynePlan todo = plan(tree_, control_.wanted);
   state_.refused.clear();
   state_.unknown = std::move(todo.unknown);
+  if (todo.changes.empty()) attempts_.clear();
   for (VelodyneChange& change : todo.changes) {
     if (attempts_[change.path + change.body] >= most_attempts)
       state_.refused.push_back(change.text);
@@ -162,37 +160,12 @@ void WebDialogue::finish_reading() {
 void WebDialogue::finish_write(DriverOutput& out) {
   const VelodyneChange& change = changes_[change_];
   ++attempts_[change.path + change.body];
-  // Without an answer the next snapshot shows whether the sensor applied the change.
-  unverified_ = unverified_ || present_;
   if (answer_.status >= 200 && answer_.status <= 206)
     out.note("wrote " + change.text + " to " + where_);
   else
     out.note("could not write " + change.text + " to " + where_ + ": " +
              (answer_.status == 0 ? answer_.error : "HTTP status " + std::to_string(answer_.status)));
-  last_write_ = now_;
   ++state_.writes;
-}
-
-/// Reports once that a snapshot contains all written settings.
-void WebDialogue::report_verified(DriverOutput& out) {
-  const bool agrees = snapshot_is_new_ && changes_.empty() && state_.refused.empty();
-  if (!agrees || !unverified_) return;
-  out.note("the sensor reports the written settings");
-  unverified_ = false;
-  attempts_.clear();
-}
-
-Span WebDialogue::next_pause() {
-  if (complete_) retry_ = timing_.first_retry;
-  if (!changes_.empty()) return timing_.settle;
-  if (complete_) return timing_.period;
-  return std::exchange(retry_, std::min(2 * retry_, timing_.last_retry));
-}
-
-WebState WebDialogue::state() const {
-  WebState state = state_;
-  state.settling = state.writes > 0 && now_ - last_write_ < timing_.spin_up;
-  return state;
 }
 
 }  // namespace lidard::velodyne

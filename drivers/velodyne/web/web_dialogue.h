@@ -40,9 +40,6 @@ struct WebTiming {
   Span settle = std::chrono::seconds(2);  ///< between writing and reading back
   /// Between two readings, which find that a sensor was replaced, restarted or set by hand.
   Span period = std::chrono::seconds(10);
-  Span first_retry = std::chrono::seconds(1);  ///< doubled after every failure in succession
-  Span last_retry = std::chrono::seconds(60);
-  Span spin_up = std::chrono::seconds(30);  ///< after a change of the speed
 };
 
 /// The state of a sensor according to its web interface.
@@ -54,7 +51,6 @@ struct WebState {
   std::string local_address;         ///< this host's address on the connection
   std::vector<std::string> refused;  ///< changes that the sensor did not apply, "rpm: 600 -> 1200"
   std::vector<std::string> unknown;  ///< wanted settings that the sensor does not report
-  bool settling = false;             ///< after a change: the motor may still follow
   std::uint64_t requests = 0, failures = 0, writes = 0;
 };
 
@@ -72,7 +68,7 @@ class WebDialogue {
   void receive(const Packet& packet, DriverOutput& out);
   void tick(Stamp now, DriverOutput& out);
 
-  WebState state() const;
+  const WebState& state() const { return state_; }
 
  private:
   enum class Phase : std::uint8_t { pausing, waiting, dialling, talking, answered };
@@ -81,11 +77,9 @@ class WebDialogue {
   void request(const std::string& path, const std::string& form = {});
   void dial(DriverOutput& out);
   void pause(Span time) { phase_ = Phase::pausing, patience_.start(now_, time); }
-  Span next_pause();
   bool parse_answer(const std::string& path, const std::string& prefix);
   void finish_reading();
   void finish_write(DriverOutput& out);
-  void report_verified(DriverOutput& out);
 
   const VelodyneControl control_;
   const WebTiming timing_;
@@ -100,15 +94,12 @@ class WebDialogue {
   std::string received_;
   HttpAnswer answer_;
   WebState state_;
-  VelodyneTree tree_;  // of the current round of requests
-  bool snapshot_is_new_ = false;
-  bool complete_ = false;  // all requests of this round were answered
+  VelodyneTree tree_;             // of the current round of requests
+  bool snapshot_is_new_ = false;  // the snapshot of this round was answered
+  bool complete_ = false;         // all requests of this round were
   std::vector<VelodyneChange> changes_;
   std::size_t change_ = 0;               // index of the change being written
   std::map<std::string, int> attempts_;  // by request
-  bool unverified_ = false;              // a written change is not in a snapshot yet
-  Span retry_;
-  Stamp last_write_{};
 };
 
 }  // namespace lidard::velodyne

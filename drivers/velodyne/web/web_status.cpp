@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cmath>
 
 #include "core/base/number_text.h"
 
@@ -16,31 +15,18 @@ std::string value_of(const VelodyneTree& tree, const std::string& key) {
   return found == tree.end() ? std::string() : found->second;
 }
 
-std::optional<double> number_of(const VelodyneTree& tree, const std::string& key) {
-  const auto number = number_in<double>(value_of(tree, key));
-  return number && std::isfinite(*number) ? number : std::nullopt;
-}
-
-/// A locked motor stays within a few rpm; a larger difference is another speed.
-constexpr double rpm_tolerance = 0.05;
-
 bool same_word(const std::string& a, const std::string& b) {
   return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(), [](char x, char y) {
            return std::tolower(static_cast<unsigned char>(x)) == std::tolower(static_cast<unsigned char>(y));
          });
 }
 
-/// Rounded, so that the sentence does not change with every measurement.
-std::string about(double rpm) { return std::to_string(std::lround(rpm / 10) * 10); }
-
-bool differ(double a, double b) { return std::abs(a - b) > rpm_tolerance * std::max(a, b); }
-
 bool is_everybody(const IpAddress& address) {
   return address.is_multicast() || (!address.v6 && address.bytes[3] == 255);
 }
 
 void judge_port(const VelodyneTree& tree, const Received& received, std::vector<std::string>& found) {
-  const auto port = number_of(tree, "config.host.dport");
+  const auto port = number_in<unsigned>(value_of(tree, "config.host.dport"));
   if (!port || *port == received.listens_on) return;
   const std::string reports =
       "the sensor reports that it sends to port " + value_of(tree, "config.host.dport") + ", ";
@@ -66,26 +52,6 @@ void judge_address(const WebState& state, const Received& received, std::vector<
     found.push_back("the sensor sends its data to " + text + ", but this host is " + state.local_address +
                     " there; set host: {address: " + state.local_address +
                     "} in control, or this host's address");
-  }
-}
-
-void judge_mode(const VelodyneTree& tree, const Received& received, std::vector<std::string>& found) {
-  const std::string returns = value_of(tree, "config.returns");
-  if (returns.empty() || received.returns == nullptr || same_word(returns, received.returns)) return;
-  found.push_back("the sensor reports returns " + returns + ", but its data are marked " + received.returns +
-                  "; is there another sensor with its address?");
-}
-
-void judge_speed(const VelodyneTree& tree, const Received& received, std::vector<std::string>& found) {
-  const auto set = number_of(tree, "config.rpm");
-  const auto motor = number_of(tree, "status.motor.rpm");
-  if (same_word(value_of(tree, "status.motor.state"), "off")) return;
-  if (set && motor && differ(*set, *motor)) {
-    found.push_back("the motor turns at about " + about(*motor) + " rpm, though " + about(*set) +
-                    " are set; is the sensor warming up, or its supply too weak?");
-  } else if (set && received.data && received.rpm && differ(*set, *received.rpm)) {
-    found.push_back("the data turn at about " + about(*received.rpm) + " rpm, though the sensor reports " +
-                    about(*set) + "; is there another sensor with its address?");
   }
 }
 
@@ -158,9 +124,6 @@ std::vector<std::string> contradictions(const WebState& state, const Received& r
   std::vector<std::string> found;
   judge_port(state.tree, received, found);
   judge_address(state, received, found);
-  if (state.settling) return found;  // the motor and its measured speed still follow the last change
-  if (received.data) judge_mode(state.tree, received, found);
-  judge_speed(state.tree, received, found);
   return found;
 }
 

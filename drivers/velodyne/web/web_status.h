@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,11 +13,9 @@ namespace lidard::velodyne {
 
 /// The received data of a sensor, for comparison with its report.
 struct Received {
-  bool data = false;              ///< packets are arriving
-  Endpoint destination;           ///< of the newest data packet
-  const char* returns = nullptr;  ///< return mode in the sensor's spelling; nullptr: unknown
-  std::optional<double> rpm;      ///< from the azimuths
-  std::uint16_t listens_on = 0;   ///< the local port of the data
+  bool data = false;             ///< packets are arriving
+  Endpoint destination;          ///< of the newest data packet
+  std::uint16_t listens_on = 0;  ///< the local port of the data
 };
 
 /// Differences between a sensor's report and the received data, or why no data arrives: sentences with the

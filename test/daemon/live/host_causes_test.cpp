@@ -5,9 +5,6 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
-
-#include <boost/asio/io_context.hpp>
 
 namespace lidard {
 namespace {
@@ -139,18 +136,6 @@ TEST(HostNetwork, IsThatOfThisHostWithoutAPrivilege) {
   }
   EXPECT_TRUE(found);
   EXPECT_TRUE(has_route_to(IpAddress::v4(127, 0, 0, 1)));
-}
-
-TEST(HostNetwork, KnowsWhoHasAPort) {
-  boost::asio::io_context io;
-  UdpOptions options;
-  UdpSource source(io, options, [](std::vector<Packet>&) {});
-  source.start();
-  EXPECT_THAT(holder_of_udp_port(source.local_port()),
-              EndsWith("(process " + std::to_string(getpid()) + ")"));
-  const std::uint16_t port = source.local_port();
-  source.stop();
-  EXPECT_EQ(holder_of_udp_port(port), "");
 }
 
 }  // namespace

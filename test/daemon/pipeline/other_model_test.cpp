@@ -41,6 +41,8 @@ TEST(OtherModel, IsNamedWithTheWayToConfigureIt) {
                    "this is a VLS-128 or Alpha Prime, not a VLP-32C; set model: velodyne_vls128"),
         std::tuple("velodyne_hdl32e", "velodyne_vlp32c",
                    "this is a VLP-32C, not a HDL-32E; set model: velodyne_vlp32c"),
+        std::tuple("velodyne_hdl64e_s3", "velodyne_hdl64e_s1",
+                   "this is a HDL-64E S1, not a HDL-64E S3; set model: velodyne_hdl64e_s1"),
         std::tuple("sick_microscan3", "velodyne_vlp32c",
                    "this is a VLP-32C, not a microScan3; set model: velodyne_vlp32c"),
         std::tuple("sick_picoscan150", "velodyne_vlp32c",

@@ -157,8 +157,6 @@ TEST(VelodyneCapture, PacketsThatNameAnotherProductAreDecodedWhenTheirPeriodIsTh
   LIDARD_NEED_CAPTURE(path, "velodyne/vlp16_2014_says_hdl32.pcap");
   const Decoded decoded = decode_all(path);
   EXPECT_EQ(decoded.counters.lying_packets, 84U);
-  ASSERT_EQ(decoded.info.warnings.size(), 1U);
-  EXPECT_NE(decoded.info.warnings[0].find("HDL-32E"), std::string::npos);
 }
 
 TEST(VelodyneCapture, PacketsOfAnotherModelAreRefusedByName) {

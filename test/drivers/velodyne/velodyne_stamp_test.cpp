@@ -61,7 +61,7 @@ class Times final : public DriverOutput {
   }
 };
 
-DriverConfig config_of(const std::string& model) {
+DriverConfig stamp_config_of(const std::string& model) {
   DriverConfig config;
   config.model = find_model(model);
   config.cut_angle = 1;
@@ -73,7 +73,7 @@ DriverConfig config_of(const std::string& model) {
 /// microsecond, and every firing of it comes back.
 void expect_times(const test::ModelMode& which, const sim::VelodyneOptions& options, bool calibrated) {
   const auto packets = test::spin(which, 1.7, options);
-  DriverConfig config = config_of(which.model);
+  DriverConfig config = stamp_config_of(which.model);
   if (calibrated) config.calibration = std::make_shared<Calibration>(table_calibration(*config.model));
   const auto driver = config.model->make(config);
   Times times;
@@ -113,7 +113,7 @@ TEST(VelodyneStamp, IsTheEarliestFiringInEveryShippedCapture) {
       ++captures;
       SCOPED_TRACE(stem);
       const test::Decoded decoded = test::decode_capture(entry.path().string(), std::string(model.name),
-                                                         config_of(std::string(model.name)));
+                                                         stamp_config_of(std::string(model.name)));
       Times times;
       for (Cloud cloud : decoded.output.clouds) times.cloud(cloud);
       EXPECT_GT(times.clouds, 0U);
@@ -130,7 +130,7 @@ TEST(VelodyneStamp, IsTheEarliestFiringInRecordings) {
   for (const auto& [name, model] : recordings) {
     LIDARD_NEED_CAPTURE(path, std::string("velodyne/") + name + ".pcap");
     SCOPED_TRACE(name);
-    const test::Decoded decoded = test::decode_capture(path, model, config_of(model));
+    const test::Decoded decoded = test::decode_capture(path, model, stamp_config_of(model));
     Times times;
     for (Cloud cloud : decoded.output.clouds) times.cloud(cloud);
     EXPECT_GT(times.clouds, 1U);

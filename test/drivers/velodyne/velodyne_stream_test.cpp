@@ -281,34 +281,6 @@ std::size_t returns_with_clock_set(const char* path, const char* model, std::int
   return out.points;
 }
 
-TEST(VelodyneStream, APacketOfAnotherModelIsNoNewsTenSecondsLater) {
-  const auto driver = make_driver();
-  Collector out;
-  Stream stream(false);
-  const auto pass = [&](double seconds, bool foreign) {
-    for (int i = 0; i < seconds * 753; ++i) {
-      Bytes bytes = stream.next();
-      give(*driver, bytes, stream.arrival(), out);
-      bytes[1205] = 0x28;  // a VLP-32C
-      bytes[1200] = static_cast<std::uint8_t>(bytes[1200] + 97);
-      if (foreign && i < 8) give(*driver, bytes, stream.arrival(), out);
-      driver->tick(stream.arrival(), out);
-    }
-  };
-  pass(1, false);
-  EXPECT_TRUE(driver->info().warnings.empty());
-  pass(1, true);
-  ASSERT_EQ(driver->info().warnings.size(), 1U);
-  EXPECT_EQ(driver->info().warnings[0].rfind("packets have the product byte of VLP-32C", 0), 0U)
-      << driver->info().warnings[0];
-  pass(8.5, false);
-  EXPECT_EQ(driver->info().warnings.size(), 1U);
-  pass(2.5, false);
-  EXPECT_TRUE(driver->info().warnings.empty());
-  pass(1, true);
-  EXPECT_EQ(driver->info().warnings.size(), 1U) << "again";
-}
-
 TEST(VelodyneStream, NoReturnIsLostWhereTheSensorsClockIsSetBack) {
   LIDARD_NEED_CAPTURE(vlp16, "velodyne/vlp16_gps_293.pcap");
   LIDARD_NEED_CAPTURE(hdl32e, "velodyne/hdl32e_2011_port443.pcap");

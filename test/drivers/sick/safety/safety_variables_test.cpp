@@ -108,22 +108,5 @@ TEST(SafetyVariables, EachBitOfTheUserActionHasItsWords) {
   EXPECT_EQ(describe_action(view({0, 0})), "none");
 }
 
-// ParseFieldHeaderData.cpp: defined 72, method 73, set 82, u32 length 84, name 88; valid with R or Y.
-TEST(SafetyVariables, AFieldIsReadFromItsPlaces) {
-  Bytes field = bytes(93, {{0, {'Y', 1}}, {72, {1, 15}}, {82, {3, 0, 5, 0, 0, 0, 'F', 'r', 'o', 'n', 't'}}});
-  const auto read = read_field(view(field));
-  ASSERT_TRUE(read);
-  EXPECT_TRUE(read->defined);
-  EXPECT_EQ(read->describe(), "Front (warning, set 3)");
-  field[0] = 0;
-  EXPECT_FALSE(read_field(view(field)));
-}
-
-// ParseMonitoringCaseData.cpp: number 6; eight fields, valid bit at 157 + 4 i, index at 158 + 4 i.
-TEST(SafetyVariables, AMonitoringCaseIsReadFromItsPlaces) {
-  const Bytes one = bytes(189, {{0, {'R', 1}}, {6, {5, 0}}, {157, {1, 2, 0, 0, 0, 9, 0, 0, 1, 4, 1}}});
-  EXPECT_EQ(describe_case(view(one)), "case 5: fields 2 260");
-}
-
 }  // namespace
 }  // namespace lidard::sick

@@ -140,19 +140,15 @@ TEST(WebDialogue, PostsOnlyWhatDiffersAndEachOnce) {
   const WebState state = talk.state();
   EXPECT_THAT(state.refused, IsEmpty());
   EXPECT_EQ(state.writes, 4U);
-  EXPECT_TRUE(state.settling);
   EXPECT_EQ(talk.sensor.get("config.rpm"), "1200");
-  ASSERT_TRUE(talk.rounds(4));
-  EXPECT_FALSE(talk.state().settling) << "the motor had its time";
 }
 
-TEST(WebDialogue, TellsWhatItWroteAndThatTheSensorReportsIt) {
+TEST(WebDialogue, TellsWhatItWrote) {
   VelodyneControl control = writing();
   control.wanted.rpm = 1200;
   Talk talk(control);
   ASSERT_TRUE(talk.rounds(3));
-  EXPECT_THAT(talk.notes, ElementsAre("wrote rpm: 600 -> 1200 to 127.0.0.1:80",
-                                      "the sensor reports the written settings"));
+  EXPECT_THAT(talk.notes, ElementsAre("wrote rpm: 600 -> 1200 to 127.0.0.1:80"));
 }
 
 TEST(WebDialogue, GoesOnAfterEveryKindOfBadAnswer) {
@@ -263,7 +259,7 @@ TEST(WebDialogue, WritesAgainToASensorThatForgotItsSettingsWhileItWasAway) {
 TEST(WebDialogue, NeverAsksFasterThanItsPace) {
   EXPECT_GE(WebTiming{}.pace, 1s);
   WebTiming timing;
-  timing.settle = timing.first_retry = timing.period = 0ms;
+  timing.settle = timing.period = 0ms;
   VelodyneControl control = writing();
   control.wanted.rpm = 1200;
   control.wanted.returns = VelodyneReturns::dual;
@@ -272,15 +268,6 @@ TEST(WebDialogue, NeverAsksFasterThanItsPace) {
   ASSERT_TRUE(talk.until([&] { return talk.posts().size() == 2; }));
   ASSERT_TRUE(talk.rounds(1));
   for (std::size_t i = 1; i < talk.asked.size(); ++i) EXPECT_GE(talk.asked[i] - talk.asked[i - 1], 1s) << i;
-}
-
-TEST(WebDialogue, AsksMoreSeldomTheLongerNobodyAnswers) {
-  Talk talk(reading());
-  talk.sensor.misbehave(Fault::error_500, 1'000'000);
-  ASSERT_TRUE(talk.rounds(9));
-  const std::size_t last = talk.asked.size() - 1;  // a question for the snapshot, after a round of two
-  EXPECT_GE(talk.asked[last] - talk.asked[last - 1], 60s);
-  EXPECT_LE(talk.asked[last] - talk.asked[last - 1], 62s);
 }
 
 }  // namespace

@@ -31,8 +31,6 @@ Received receiving() {
   Received received;
   received.data = true;
   received.destination = {IpAddress::v4(192, 168, 1, 77), 2368};
-  received.returns = "Strongest";
-  received.rpm = 601.2;
   received.listens_on = 2368;
   return received;
 }
@@ -73,39 +71,6 @@ TEST(WebContradictions, TakeBroadcastAndMulticastForOurs) {
     EXPECT_THAT(contradictions(state, silent()), IsEmpty()) << everybody;
     EXPECT_THAT(contradictions(state, receiving()), IsEmpty()) << everybody;
   }
-}
-
-TEST(WebContradictions, NameReturnsAndSpeedThatDiffer) {
-  WebState state = answering();
-  Received received = receiving();
-  received.returns = "Dual";
-  EXPECT_THAT(contradictions(state, received),
-              ElementsAre(HasSubstr("reports returns Strongest, but its data are marked Dual")));
-  received = receiving();
-  received.rpm = 1198.7;
-  EXPECT_THAT(contradictions(state, received),
-              ElementsAre(HasSubstr("the data turn at about 1200 rpm, though the sensor reports 600")));
-  state.tree["status.motor.rpm"] = "304";
-  EXPECT_THAT(contradictions(state, receiving()),
-              ElementsAre(HasSubstr("the motor turns at about 300 rpm, though 600 are set")));
-}
-
-TEST(WebContradictions, AMotorMayBeFivePercentOfTheFasterSpeedOff) {
-  WebState state = answering();
-  for (const auto& [rpm, differs] : {std::pair(569.0, true), {571.0, false}, {631.0, false}, {633.0, true}}) {
-    Received received = receiving();
-    received.rpm = rpm;
-    EXPECT_EQ(contradictions(state, received).size(), differs ? 1U : 0U) << rpm;
-  }
-}
-
-TEST(WebContradictions, WaitUntilTheMotorFollowedAChange) {
-  WebState state = answering();
-  state.settling = true;
-  state.tree["status.motor.rpm"] = "304";
-  Received received = receiving();
-  received.returns = "Dual";
-  EXPECT_THAT(contradictions(state, received), IsEmpty());
 }
 
 TEST(WebStatus, SaysWhatIsWrongMostUrgentFirst) {
