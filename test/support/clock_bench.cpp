@@ -79,7 +79,7 @@ class ClockBench final : public DriverOutput {
   Stamp recorded(Stamp device) const { return {realtime(device).ns}; }
   ClockReading reading() const { return {realtime(now_), host(now_) - epoch + 1000s, Span(500)}; }
 
-  void connect() {
+  void connect() override {
     online_ = true;
     if (!is_tcp_) return;
     device_->connected(now_);
