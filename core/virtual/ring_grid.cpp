@@ -249,10 +249,7 @@ void RingGrid::put(std::size_t at, const CloudPoint& point, const Pose* move) {
   const bool again = kind[at] == Beam::point;
   const bool is_nearer = again && far < range[at];
   if (move != nullptr) move_end(end, *move);
-  if (again && settings_.early_returns) {
-    const BeamEnd& first = is_nearer ? end : ends[at];
-    early.push_back({first.x, first.y, first.z, first.intensity, 0, 0});
-  }
+  if (again && settings_.early_returns) early.push_back(is_nearer ? end : ends[at]);
   if (again && is_nearer != by_azimuth_) return;
   kind[at] = Beam::point;
   range[at] = far;

@@ -99,7 +99,7 @@ class RingGrid {
   std::vector<BeamEnd> ends;
   std::vector<float> range;  ///< m from the sensor
   std::vector<Beam> kind;
-  std::vector<CloudPoint> early;  ///< earlier returns of firings
+  std::vector<BeamEnd> early;     ///< earlier returns of firings
   std::uint64_t own_returns = 0;  ///< returns from the vehicle, since the start
   std::uint64_t misplaced = 0;    ///< points without a place in the grid, since the start
 

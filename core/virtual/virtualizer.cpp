@@ -18,7 +18,8 @@ constexpr double width_slack = 0.05;
 // A band that reaches into the ground is observed from so much above the ground on, m.
 constexpr double above_ground = 0.02;
 
-Eigen::Vector3d place_of(const CloudPoint& p) {
+template <class Point>
+Eigen::Vector3d place_of(const Point& p) {
   return {static_cast<double>(p.x), static_cast<double>(p.y), static_cast<double>(p.z)};
 }
 
@@ -161,12 +162,12 @@ float Virtualizer::evidence_level(const Lidar& lidar, const Pose& virtual_from_c
 /// Single points at heights that count: earlier returns, and all where no surfaces are known.
 void Virtualizer::splat_points(const Lidar& lidar, Visibility& visibility,
                                const Pose& virtual_from_cloud) const {
-  const auto splat = [&visibility](const CloudPoint& point, const Eigen::Vector3d& p) {
+  const auto splat = [&visibility](const auto& point, const Eigen::Vector3d& p) {
     visibility.raster().draw_point({static_cast<float>(p.x()), static_cast<float>(p.y()), point.intensity},
                                    visibility.surfaces());
   };
   if (!lidar.organised) each_return(lidar.placed, virtual_from_cloud, splat);
-  for (const CloudPoint& point : lidar.grid.early) {
+  for (const BeamEnd& point : lidar.grid.early) {
     const Eigen::Vector3d place = virtual_from_cloud * place_of(point);
     if (place.z() >= band_.min && place.z() <= band_.max) splat(point, place);
   }

@@ -239,7 +239,7 @@ TEST(RingGrid, OfSeveralReturnsOfAFiringTheFarthestIsTheSurfaceAndTheOthersAreKe
       EXPECT_EQ(count(grid, Beam::point), grid.kind.size());
       for (const float range : grid.range) ASSERT_NEAR(range, 9, 1e-4);
       ASSERT_EQ(grid.early.size(), keep ? 120U : 0U);
-      for (const CloudPoint& p : grid.early) {
+      for (const BeamEnd& p : grid.early) {
         EXPECT_NEAR(std::sqrt(p.x * p.x + p.y * p.y + p.z * p.z), 4, 1e-4);
         EXPECT_EQ(p.intensity, 2 * 1000) << "as measured";
       }
