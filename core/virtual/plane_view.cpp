@@ -93,7 +93,7 @@ constexpr float likely_reach = 0.33F;
 // m; a wider stretch of returns of one ring at one distance lies on the top of an object, or on a face that
 // is square to the beams.
 constexpr float flat_width = 0.6F;
-// m; so far behind a face a return beneath the plane lies on the same object's top.
+// m; where the next ring meets something beneath the plane no farther behind, it meets the object's top.
 constexpr float deepest_top = 3;
 constexpr float flat_slack = 0.02F;  // m, beside the noise
 
@@ -177,7 +177,7 @@ PlaneTops::Shape PlaneTops::shape_of(const PlaneView& view, std::size_t ring, co
   if (count * step * run.nearest <= flat_width) return Shape::uneven;
   if (2 * tops > count) return Shape::top;
   if (2 * faces > count) return Shape::face;
-  // Fit of the square of the azimuth, from which the mean of the squares is taken.
+  // Least squares: distance = constant + bend * azimuth^2; bend is 0 for a top, half the distance for a face.
   const float middle = sum / count, spread = squares / count - middle * middle;
   float power = 0, bend = 0;
   each_level([&](std::size_t, float azimuth, float beyond) {

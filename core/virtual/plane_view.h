@@ -115,7 +115,7 @@ class PlaneTops {
   };
   /// What most returns of a run lie on. A ring meets a level top at one distance. The distance of a face
   /// square to the beams grows by half the distance times the square of the azimuth, and the ring beneath
-  /// meets the face there, too. A face that one ring meets over less than a metre may be taken for a top.
+  /// meets the face there, too. A face that one ring alone meets may still be taken for a top.
   enum class Shape : std::uint8_t { uneven, top, face };
   void mark_steps(const PlaneView& view);
   void add_step(const PlaneView& view, std::size_t column, std::size_t upper);

@@ -28,6 +28,7 @@ struct RosOptions {
   std::vector<std::string> remappings = {};  ///< "from:=to", "__ns:=…", "__name:=…", "__master:=…"
   ReconfigureNames reconfigure = ReconfigureNames::entries;
   Backpressure backpressure = Backpressure::drop_oldest;
+  /// Between the stamps of messages and those of the pipelines; by default they are the same.
   std::shared_ptr<const ClockStep> clock_step = std::make_shared<ClockStep>();
   bool clock = false;  ///< publish_clock() will be used
   /// For diagnostics() by wall clock: older items are errors. Empty, as in replay: never.

@@ -11,13 +11,12 @@
 #include "daemon/live/udp_ports.h"
 #include "daemon/pipeline/frame_tree.h"
 #include "daemon/pipeline/pipeline.h"
+#include "drivers/net/wall_clock.h"
 #include "test/daemon/pipeline/line_driver.h"
 
 namespace lidard::test {
 
-inline Stamp now_of_host() {
-  return Stamp{std::chrono::duration_cast<Span>(std::chrono::system_clock::now().time_since_epoch()).count()};
-}
+inline Stamp now_of_host() { return {wall_clock().ns}; }
 
 /// A pipeline with its links and ports, as the daemon has them.
 struct LiveBench {
