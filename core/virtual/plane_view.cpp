@@ -93,9 +93,9 @@ constexpr float likely_reach = 0.33F;
 // m; a wider stretch of returns of one ring at one distance lies on the top of an object, or on a face that
 // is square to the beams.
 constexpr float flat_width = 0.6F;
-// m; where the next ring meets something beneath the plane no farther behind, it meets the object's top.
+// m; where the next ring meets something beneath the plane no farther behind, it may meet the object's top.
 constexpr float deepest_top = 3;
-constexpr float flat_slack = 0.02F;  // m, beside the noise
+constexpr float flat_slack = 0.02F;  // m, of height, and of distance beside the noise
 
 }  // namespace
 
@@ -104,7 +104,8 @@ void PlaneTops::find(const PlaneView& view) {
   const std::size_t cells = grid.kind.size();
   resize_amply(cells, verdicts_, steps_);
   verdicts_.assign(cells, none);
-  runs_.assign(grid.rings(), {});
+  runs_.resize(grid.rings());
+  for (auto& runs : runs_) runs.clear();
   if (view.rise() < PlaneView::steepest) return;
   mark_steps(view);
   for (std::size_t c = 0; c < grid.columns(); ++c) {
@@ -112,7 +113,10 @@ void PlaneTops::find(const PlaneView& view) {
     each_set(steps_.data() + lowest + 1, grid.rings() - 1,
              [&](std::size_t r) { add_step(view, c, lowest + 1 + r); });
   }
-  for (std::size_t r = 0; r < runs_.size(); ++r) close(view, r);
+  // What a ring meets behind a run is known before the run is judged.
+  for (std::size_t r = runs_.size(); r-- > 0;) {
+    for (const Run& run : runs_[r]) judge(view, r, run);
+  }
 }
 
 void PlaneTops::mark_steps(const PlaneView& view) {
@@ -142,68 +146,72 @@ void PlaneTops::add_step(const PlaneView& view, std::size_t column, std::size_t 
   const bool stands =
       (view.sides()[upper] & (PlaneView::both_sides | PlaneView::on_ground)) == PlaneView::above_it;
   if (stands && here >= 0 && sensor * share + (here - sensor) < 0) verdicts_[upper] = hides;
-  Run& run = runs_[ring];
-  if (run.end == column && column > 0 && view.links().level(column - 1, ring - 1)) {
-    run.top = std::max(run.top, here);
-    run.passing = std::min(run.passing, passing);
-    run.nearest = std::min(run.nearest, near);
-    ++run.end;
+  std::vector<Run>& runs = runs_[ring];
+  if (runs.empty() || runs.back().end < column || !view.links().level(column - 1, ring - 1)) {
+    runs.push_back({column, column + 1, here, passing, near});
     return;
   }
-  close(view, ring);
-  run = {column, column + 1, here, passing, near};
+  Run& run = runs.back();
+  run.top = std::max(run.top, here);
+  run.passing = std::min(run.passing, passing);
+  run.nearest = std::min(run.nearest, near);
+  ++run.end;
 }
 
 PlaneTops::Shape PlaneTops::shape_of(const PlaneView& view, std::size_t ring, const Run& run) const {
   const RingGrid& grid = view.grid();
-  const auto step = static_cast<float>(grid.step());
+  const Ground& ground = view.ground();
   const float slack = flat_slack + view.links().slack();
-  const auto each_level = [&](const auto& use) {
-    for (std::size_t c = run.first; c < run.end; ++c) {
-      const std::size_t i = grid.index(c, ring) - 1;
-      const float beyond = view.distance(i) - run.nearest;
-      if (beyond < slack) use(i, static_cast<float>(c - run.first) * step, beyond);
-    }
-  };
-  float count = 0, sum = 0, squares = 0, faces = 0, tops = 0;
-  each_level([&](std::size_t i, float azimuth, float) {
-    ++count, sum += azimuth, squares += azimuth * azimuth;
-    const bool on_thing =
+  const double middle = static_cast<double>(run.first + run.end) / 2;
+  float count = 0, faces = 0, tops = 0;
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (std::size_t c = run.first; c < run.end; ++c) {
+    const std::size_t i = grid.index(c, ring) - 1;
+    const float beyond = view.distance(i) - run.nearest;
+    if (beyond > slack) continue;
+    ++count;
+    const double azimuth = (static_cast<double>(c) - middle) * grid.step();
+    const Eigen::Vector3d terms(1, azimuth, azimuth * azimuth);
+    normal += terms * terms.transpose();
+    sum += terms * static_cast<double>(beyond);
+    const bool below_plane =
         (view.sides()[i + 1] & (PlaneView::below | PlaneView::on_ground)) == PlaneView::below;
-    tops += on_thing && view.distance(i + 1) - view.distance(i) < deepest_top ? 1.0F : 0.0F;
-    if (ring < 2 || grid.kind[i - 1] != Beam::point) return;
+    const bool may_be_top = ground.height[i + 1] > ground.height[i] - flat_slack &&
+                            (ring + 1 >= grid.rings() || steps_[i + 2] == step);
+    tops += below_plane && may_be_top && view.distance(i + 1) - view.distance(i) < deepest_top ? 1.0F : 0.0F;
+    if (ring < 2 || grid.kind[i - 1] != Beam::point) continue;
     faces += std::fabs(view.distance(i - 1) - view.distance(i)) < slack ? 1.0F : 0.0F;
-  });
-  if (count * step * run.nearest <= flat_width) return Shape::uneven;
+  }
+  if (count * static_cast<float>(grid.step()) * run.nearest <= flat_width) return Shape::uneven;
   if (2 * tops > count) return Shape::top;
   if (2 * faces > count) return Shape::face;
-  // Least squares: distance = constant + bend * azimuth^2; bend is 0 for a top, half the distance for a face.
-  const float middle = sum / count, spread = squares / count - middle * middle;
-  float power = 0, bend = 0;
-  each_level([&](std::size_t, float azimuth, float beyond) {
-    const float square = (azimuth - middle) * (azimuth - middle) - spread;
-    power += square * square, bend += square * beyond;
-  });
-  return bend > power * run.nearest / 4 ? Shape::face : Shape::top;
+  // Least squares: distance = constant + slope * azimuth + bend * azimuth^2. The bend of a top is 0, that of
+  // a face half the distance.
+  const Eigen::Matrix3d inverse = normal.inverse();
+  const double bend = inverse.row(2).dot(sum), face = static_cast<double>(run.nearest) / 2;
+  const double error = std::sqrt(inverse(2, 2)) * static_cast<double>(view.links().noise());
+  if (bend + 3 * error < face) return Shape::top;
+  return bend > face / 2 ? Shape::face : Shape::top_or_face;
 }
 
-void PlaneTops::close(const PlaneView& view, std::size_t ring) {
-  Run& run = runs_[ring];
+void PlaneTops::judge(const PlaneView& view, std::size_t ring, const Run& run) {
   const float room = run.passing - run.top;
   const bool above = run.top >= 0;
   const Shape shape = above ? Shape::uneven : shape_of(view, ring, run);
   Verdict verdict = none;
   if (run.passing <= 0 || shape == Shape::top)
     verdict = stays_below;
-  else if (shape == Shape::face || (!above && -run.top > (1 - likely_reach) * room))
+  else if (shape == Shape::face || shape == Shape::top_or_face ||
+           (!above && -run.top > (1 - likely_reach) * room))
     verdict = likely_below;
   else if (above || -run.top < likely_reach * room)
     verdict = reaches;
-  for (std::size_t c = run.first; c < run.end && verdict != none; ++c) {
-    std::uint8_t& cell = verdicts_[view.grid().index(c, ring)];
-    if (cell != hides) cell = verdict;
+  for (std::size_t c = run.first; c < run.end; ++c) {
+    const std::size_t i = view.grid().index(c, ring);
+    if (shape == Shape::face) steps_[i] = over_face;
+    if (verdicts_[i] != hides) verdicts_[i] = verdict;
   }
-  run = {};
 }
 
 }  // namespace lidard

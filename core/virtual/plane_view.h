@@ -113,18 +113,20 @@ class PlaneTops {
     float passing = 0;               // m above the plane, the lowest beam that passes over it
     float nearest = 0;               // m from the sensor
   };
-  /// What most returns of a run lie on. A ring meets a level top at one distance. The distance of a face
-  /// square to the beams grows by half the distance times the square of the azimuth, and the ring beneath
-  /// meets the face there, too. A face that one ring alone meets may still be taken for a top.
-  enum class Shape : std::uint8_t { uneven, top, face };
+  /// What most returns of a run lie on. A ring meets a level top at one distance, or meets the face beneath
+  /// it while the next ring meets the top. The distance of a face square to the beams grows by half the
+  /// distance times the square of the azimuth, and the ring beneath meets the face there, too. Noise may
+  /// conceal which of the two a run is.
+  enum class Shape : std::uint8_t { uneven, top, face, top_or_face };
   void mark_steps(const PlaneView& view);
   void add_step(const PlaneView& view, std::size_t column, std::size_t upper);
-  void close(const PlaneView& view, std::size_t ring);
+  void judge(const PlaneView& view, std::size_t ring, const Run& run);
   Shape shape_of(const PlaneView& view, std::size_t ring, const Run& run) const;
 
   std::vector<std::uint8_t> verdicts_;
-  std::vector<std::uint8_t> steps_;  // the upper beam passes over the object that the lower one hits
-  std::vector<Run> runs_;            // the newest run, per upper ring
+  enum Step : std::uint8_t { no_step, step, over_face };
+  std::vector<std::uint8_t> steps_;     // if the upper beam passes over the object that the lower one hits
+  std::vector<std::vector<Run>> runs_;  // per upper ring
 };
 
 }  // namespace lidard

@@ -27,6 +27,8 @@ class RingLinks {
   bool upright(std::size_t column, std::size_t ring) const;
   /// True if three returns lie on one line.
   bool in_line(std::size_t a, std::size_t b, std::size_t c) const;
+  /// m, one standard deviation of a range, and three of them.
+  float noise() const { return slack_ / 3; }
   float slack() const { return slack_; }
 
  private:

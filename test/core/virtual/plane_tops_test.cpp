@@ -54,11 +54,12 @@ TEST(PlaneTops, AThingDoesNotReachThePlaneWhereItsTopIsSeenBeneath) {
   }
 }
 
-TEST(PlaneTops, AFaceSquareToTheBeamsIsNoTop) {
-  // Two rings meet the face, 0.15 and 0.44 m high and at one distance all along; the next one passes at 0.73
-  // m.
+/// A wall square to the beams, 0.6 m high and 8 m away; rings meet it 0.15 and 0.44 m high, the next one
+/// passes at 0.73 m.
+void expect_square_wall(const std::vector<sim::Object>& behind) {
   sim::Yard yard;
   yard.objects = {box({8.1, 0, 0.3}, {0.2, 3, 0.6}), wall(25, -40, 25, 40)};
+  yard.objects.insert(yard.objects.end(), behind.begin(), behind.end());
   Cut cut;
   cut.settings.how.free_required = 20;
   cut.make(seen(yard, lidar16()), lidar16().pose);
@@ -69,6 +70,14 @@ TEST(PlaneTops, AFaceSquareToTheBeamsIsNoTop) {
       EXPECT_FALSE(scan->ranges[beam] > 9) << deg << ": overlooked";
     }
   }
+}
+
+TEST(PlaneTops, AFaceSquareToTheBeamsIsNoTop) { expect_square_wall({}); }
+
+TEST(PlaneTops, WhatIsLowerThanAFaceIsNotItsTop) {
+  // The ring that passes over the wall meets the table at 10.7 m, the wall behind it at 10.3 m.
+  expect_square_wall({box({11, 0, 0.15}, {1.6, 3, 0.3})});
+  expect_square_wall({box({10.4, 0, 0.225}, {0.2, 3.8, 0.45})});
 }
 
 TEST(PlaneTops, ALowThingStandsInTheGapBetweenTheRingsThatPassBeforeAndBehindIt) {
