@@ -126,6 +126,7 @@ void Sensor::cloud(Cloud& cloud) {
   }
   feed(cloud);
   if (ring_scan_ && ring_scan_->convert(cloud, ring_)) publish_scan(*ring_topic_, ring_filter_, ring_);
+  if (!context_.outlet.wants(*topic_)) return context_.outlet.skip(*topic_, context_.now);
   if (filter_) filter_->apply(cloud);
   // The sinks come last, since they may keep the points.
   if (placer_)

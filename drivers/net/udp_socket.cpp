@@ -194,7 +194,7 @@ struct DatagramBatch::Storage {
   struct alignas(cmsghdr) Control {
     std::array<char, control_size> bytes;
   };
-  std::vector<std::uint8_t> payloads;
+  std::unique_ptr<std::uint8_t[]> payloads;
   std::array<mmsghdr, capacity> messages{};
   std::array<iovec, capacity> vectors{};
   std::array<sockaddr_in, capacity> senders{};
@@ -203,14 +203,15 @@ struct DatagramBatch::Storage {
 
 DatagramBatch::DatagramBatch(std::size_t max_datagram)
     : max_datagram_(max_datagram), storage_(std::make_unique<Storage>()) {
-  storage_->payloads.resize(capacity * max_datagram);
+  // 2 MB, of which short datagrams touch a few pages: not to be filled with zeros.
+  storage_->payloads.reset(new std::uint8_t[capacity * max_datagram]);
 }
 DatagramBatch::~DatagramBatch() = default;
 
 int DatagramBatch::receive(int fd) {
   Storage& s = *storage_;
   for (std::size_t i = 0; i < capacity; ++i) {
-    s.vectors[i] = {s.payloads.data() + i * max_datagram_, max_datagram_};
+    s.vectors[i] = {s.payloads.get() + i * max_datagram_, max_datagram_};
     msghdr& header = s.messages[i].msg_hdr;
     header = {};
     header.msg_name = &s.senders[i];
@@ -228,7 +229,7 @@ DatagramBatch::Datagram DatagramBatch::operator[](std::size_t i) const {
   // The macros for control data need a writable header.
   auto* header = const_cast<msghdr*>(&s.messages[i].msg_hdr);
   Datagram d;
-  d.payload = ByteView(s.payloads.data() + i * max_datagram_, s.messages[i].msg_len);
+  d.payload = ByteView(s.payloads.get() + i * max_datagram_, s.messages[i].msg_len);
   d.truncated = (header->msg_flags & MSG_TRUNC) != 0;
   d.from = {from_in_addr(s.senders[i].sin_addr), ntohs(s.senders[i].sin_port)};
   for (cmsghdr* c = CMSG_FIRSTHDR(header); c != nullptr; c = CMSG_NXTHDR(header, c)) {

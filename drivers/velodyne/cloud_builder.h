@@ -158,7 +158,7 @@ class CloudBuilder {
     cloud_.expected_columns =
         static_cast<std::size_t>(cutter_.period() / row_.timings.front().sequence) * echoes_;
     cloud_.points_bytes.resize(points_ * sizeof(CloudPoint));
-    if (!is_thin_) last_bytes_ = cloud_.points_bytes.size();
+    if (!is_thin_ && cloud_.complete) last_bytes_ = cloud_.points_bytes.size();
     ++counters_.frames;
     out.cloud(cloud_);
   }

@@ -111,6 +111,8 @@ TEST(UnwantedCloud, IsMadeForWhatIsMadeOfIt) {
     heard.receive(packet);
     unheard.receive(packet);
   }
+  EXPECT_TRUE(unheard.sink.clouds.empty());
+  EXPECT_EQ(unheard.sink.skipped["roof/points"].size(), heard.sink.clouds.size());
   ASSERT_EQ(heard.sink.scans.size(), 1U);
   const auto& expected = heard.sink.scans.begin()->second;
   ASSERT_EQ(unheard.sink.scans.size(), 1U);
