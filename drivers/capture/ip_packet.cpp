@@ -202,7 +202,7 @@ HeaderResult skip_reassembled_extensions(IpPacket& packet) {
   return result;
 }
 
-/// RFC 768.
+/// RFC 768: a source port of 0 means none; no socket has port 0 (RFC 6335 section 6).
 HeaderResult parse_udp(ByteView bytes, UdpDatagram& out) {
   if (!bytes.has(0, 8)) return HeaderResult::cut;
   const std::size_t length = bytes.be16(4);
@@ -210,6 +210,7 @@ HeaderResult parse_udp(ByteView bytes, UdpDatagram& out) {
   if (!bytes.has(0, length)) return HeaderResult::cut;
   out.from_port = bytes.be16(0);
   out.to_port = bytes.be16(2);
+  if (out.to_port == 0) return HeaderResult::malformed;
   out.payload = bytes.sub(8, length - 8);
   return HeaderResult::ok;
 }
@@ -223,6 +224,7 @@ HeaderResult parse_tcp(const IpPacket& packet, TcpSegment& out) {
   if (!bytes.has(0, header)) return HeaderResult::cut;
   out.from_port = bytes.be16(0);
   out.to_port = bytes.be16(2);
+  if (out.from_port == 0 || out.to_port == 0) return HeaderResult::malformed;
   out.sequence = bytes.be32(4);
   out.acknowledgement = bytes.be32(8);
   const std::uint8_t flags = bytes.u8(13);

@@ -139,5 +139,24 @@ TEST(UdpDatagram, TrustsItsOwnLengthAndTheBytesAtHand) {
   EXPECT_EQ(parse_udp(view(lying), out), HeaderResult::malformed);
 }
 
+TEST(Ports, NoSocketHasPortZero) {
+  UdpDatagram datagram_read;
+  Bytes without_source = datagram, to_nobody = datagram;
+  without_source[0] = without_source[1] = to_nobody[2] = to_nobody[3] = 0;
+  EXPECT_EQ(parse_udp(view(without_source), datagram_read), HeaderResult::ok);
+  EXPECT_EQ(parse_udp(view(to_nobody), datagram_read), HeaderResult::malformed);
+  for (const std::size_t end : {0U, 2U}) {
+    Bytes segment(20);
+    segment[1] = segment[3] = 80, segment[12] = 0x50;
+    IpPacket packet;
+    packet.transport = packet.captured = view(segment);
+    packet.declared = segment.size();
+    TcpSegment read;
+    EXPECT_EQ(parse_tcp(packet, read), HeaderResult::ok);
+    segment[end + 1] = 0;
+    EXPECT_EQ(parse_tcp(packet, read), HeaderResult::malformed);
+  }
+}
+
 }  // namespace
 }  // namespace lidard::test
