@@ -54,7 +54,9 @@ class Outlet {
   void skip(const OutputTopic& topic, Stamp now);
   /// True if an output is made of this source whose frames are wanted.
   bool feeds(std::size_t source) const;
-  void publish(const std::vector<DiagnosticItem>& items, Stamp now) { sink_.diagnostics(items, now); }
+  void publish(const std::vector<DiagnosticItem>& items, Stamp now, Worker worker) {
+    sink_.diagnostics(items, now, worker);
+  }
   /// To the outputs that are made of this source.
   void feed(std::size_t source, const PlanarScan& scan, Stamp now);
   void feed(std::size_t source, const Cloud& cloud, Stamp now);

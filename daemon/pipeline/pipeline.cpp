@@ -300,7 +300,7 @@ std::vector<DiagnosticItem> Pipeline::diagnostics(Stamp now) const {
 void Pipeline::publish_diagnostics(Stamp now) {
   diagnostics_wanted_ = false;
   last_diagnostics_ = now;
-  outlet_.publish(diagnostics(now), now);
+  outlet_.publish(diagnostics(now), now, worker_);
 }
 
 void Pipeline::add_diagnostics(std::function<void(std::vector<DiagnosticItem>&)> source) {

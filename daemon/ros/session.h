@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
 #include <functional>
 #include <memory>
 
@@ -15,7 +14,7 @@ class MessageReceiver;
 class TfPoses;
 class TransformSource;
 
-/// The workers' interface to ROS: sinks for frames, poses from tf, and, after feed(), messages of other
+/// The workers' interface to ROS: a sink for frames, poses from tf, and, after feed(), messages of other
 /// nodes and changes of outputs. The same live, in replay and in the drop-ins.
 class RosSession : public RosConnection {
  public:
@@ -30,22 +29,18 @@ class RosSession : public RosConnection {
   /// Passes messages of `topic:` and `packet_topic:` sensors, of the vehicle's motion and of
   /// dynamic_reconfigure to the pipelines. To be called before start().
   void feed(const Config& config, Post post);
-  /// Applies another configuration, except the topics of sink(), see set_topics(). Throws RosError; then
-  /// nothing changes.
+  /// Applies another configuration, except PublisherThread::set_topics(). Throws RosError; then nothing
+  /// changes.
   void change(const Config& before, const Config& config);
 
  private:
-  struct Fed {
-    std::shared_ptr<RosComponent> inputs, motion;
-  };
   void renew(const Config* before, const Config& config);
 
   const ReconfigureNames names_;
   const SharedClockStep clock_step_;
   const std::shared_ptr<TfPoses> poses_;
   Post post_;
-  std::array<Fed, workers> fed_;
-  std::shared_ptr<RosComponent> reconfigure_, outline_;
+  std::shared_ptr<RosComponent> inputs_, motion_, reconfigure_, outline_;
 };
 
 }  // namespace lidard

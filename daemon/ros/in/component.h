@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/time.h"
+#include "core/base/host_clock.h"
 #include "daemon/config/config.h"
 #include "daemon/pipeline/sink.h"
 #include "daemon/ros/in/callback_thread.h"
@@ -83,9 +83,9 @@ inline bool may_still_come(std::chrono::steady_clock::time_point connected_at) {
 }
 
 /// Subscribes to the topics of the vehicle's motion: nav_msgs/Odometry, or sensor_msgs/Imu with a speed
-/// (geometry_msgs/TwistStamped), for a worker.
-std::shared_ptr<RosComponent> make_ros_motion(const VehicleConfig& vehicle, Worker worker, RosPost post,
-                                              SharedClockStep clock);
+/// (geometry_msgs/TwistStamped), for the workers that use it.
+std::shared_ptr<RosComponent> make_ros_motion(const VehicleConfig& vehicle, std::vector<Worker> users,
+                                              RosPost post, SharedClockStep clock);
 /// dynamic_reconfigure servers of the merged and virtual scans. The callback thread answers requests and
 /// passes on what is accepted. The parameter server is written in the master thread, so that a master that
 /// hangs holds up nobody; dynamic_reconfigure::Server would write it in the answering thread.

@@ -57,13 +57,13 @@ void judge(const TopicReport& report, bool waits, DiagnosticItem& item) {
 
 }  // namespace
 
-std::vector<TopicSource> topic_sources(const Config& config, Worker worker) {
+std::vector<TopicSource> topic_sources(const Config& config) {
   std::vector<TopicSource> sources;
   for (const auto& sensor : config.sensors) {
-    if (sensor.worker != worker) continue;
     if (sensor.model == nullptr)
-      sources.push_back({sensor.name, sensor.topic, false, use_of(sensor.name, config)});
-    if (!sensor.packet_topic.empty()) sources.push_back({sensor.name, sensor.packet_topic, true});
+      sources.push_back({sensor.name, sensor.topic, false, use_of(sensor.name, config), sensor.worker});
+    if (!sensor.packet_topic.empty())
+      sources.push_back({sensor.name, sensor.packet_topic, true, {}, sensor.worker});
   }
   return sources;
 }
@@ -112,9 +112,8 @@ struct RosInputs::Source {
   }
 };
 
-RosInputs::RosInputs(const std::vector<TopicSource>& sources, Worker worker, RosPost post,
-                     SharedClockStep clock)
-    : worker_(worker), post_(std::move(post)), clock_(std::move(clock)) {
+RosInputs::RosInputs(const std::vector<TopicSource>& sources, RosPost post, SharedClockStep clock)
+    : post_(std::move(post)), clock_(std::move(clock)) {
   for (const auto& source : sources) {
     sources_.push_back(std::make_shared<Source>());
     static_cast<TopicSource&>(sources_.back()->report) = source;
@@ -134,14 +133,13 @@ void RosInputs::disconnected() {
 
 template <typename Message, typename Read>
 void RosInputs::subscribe_as(const MessageType& type, const std::shared_ptr<Source>& source, Read read) {
-  const auto receive = [source, read, worker = worker_,
-                        post = post_](const boost::shared_ptr<const Message>& message) {
+  const auto receive = [source, read, post = post_](const boost::shared_ptr<const Message>& message) {
     if (!source->accept()) return;
     RosTask task;
     LeftOut left_out;
     if (const char* reason = read(message, task, left_out)) return source->reject(reason);
     source->count(left_out);
-    post(worker, [source, task](MessageReceiver& to, Stamp received) {
+    post(source->report.worker, [source, task](MessageReceiver& to, Stamp received) {
       task(to, received);
       source->done();
     });

@@ -16,9 +16,9 @@ namespace {
 
 class RosMotion final : public RosComponent {
  public:
-  RosMotion(const VehicleConfig& vehicle, Worker worker, RosPost post, SharedClockStep clock)
+  RosMotion(const VehicleConfig& vehicle, std::vector<Worker> users, RosPost post, SharedClockStep clock)
       : topics_{vehicle.odometry_topic, vehicle.imu_topic, vehicle.speed_topic},
-        worker_(worker),
+        users_(std::move(users)),
         post_(std::move(post)),
         clock_(std::move(clock)) {}
   void connected(RosCallbackThread& ros) override {
@@ -62,7 +62,7 @@ class RosMotion final : public RosComponent {
     if (topics_[topic].empty()) return;
     const auto receive = [this, topic, make_task](const boost::shared_ptr<const Message>& message) {
       ++messages_[topic];
-      post_(worker_, make_task(*message));
+      for (const Worker user : users_) post_(user, make_task(*message));
     };
     // A pose that Nagle's algorithm delays is missing for deskewing.
     subscribe<Message>(ros, topics_[topic], queue_length, receive, type_of<Message>(),
@@ -70,7 +70,7 @@ class RosMotion final : public RosComponent {
   }
 
   const std::string topics_[3];  // empty: none
-  const Worker worker_;
+  const std::vector<Worker> users_;
   const RosPost post_;
   const SharedClockStep clock_;
   std::atomic<std::uint64_t> messages_[3] = {};
@@ -79,9 +79,9 @@ class RosMotion final : public RosComponent {
 
 }  // namespace
 
-std::shared_ptr<RosComponent> make_ros_motion(const VehicleConfig& vehicle, Worker worker, RosPost post,
-                                              SharedClockStep clock) {
-  return std::make_shared<RosMotion>(vehicle, worker, std::move(post), std::move(clock));
+std::shared_ptr<RosComponent> make_ros_motion(const VehicleConfig& vehicle, std::vector<Worker> users,
+                                              RosPost post, SharedClockStep clock) {
+  return std::make_shared<RosMotion>(vehicle, std::move(users), std::move(post), std::move(clock));
 }
 
 }  // namespace lidard

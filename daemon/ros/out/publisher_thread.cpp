@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "daemon/live/thread_priority.h"
 #include "daemon/pipeline/log.h"
 #include "daemon/ros/master/wait_until.h"
 #include "drivers/net/wall_clock.h"
@@ -118,14 +117,11 @@ bool PublisherThread::Output::loses() const {
   return lost > 0 && Clock::now() - lost_at.load() < news_of_a_loss;
 }
 
-PublisherThread::PublisherThread(const RosOptions& options, ThreadWatch& watch, Worker worker,
-                                 OnDiagnostics on_diagnostics)
+PublisherThread::PublisherThread(const RosOptions& options, ThreadWatch& watch, OnDiagnostics on_diagnostics)
     : block_(options.backpressure == Backpressure::block),
       with_clock_(options.clock),
       watch_(watch),
       clock_step_(options.clock_step),
-      worker_(worker),
-      number_(worker == Worker::clouds ? ThreadWatch::publishing_clouds : ThreadWatch::publishing),
       on_diagnostics_(std::move(on_diagnostics)),
       queue_(options.backpressure),
       tf_(add_output("/tf_static", transforms_maker(), 2)),
@@ -139,12 +135,14 @@ PublisherThread::Output& PublisherThread::add_output(const std::string& topic,
   return outputs_.emplace_back(topic, std::move(maker), queue_.add_slot(depth), depth);
 }
 
-void PublisherThread::set_topics(const std::vector<OutputTopic>& topics) {
+void PublisherThread::set_topics(Worker worker, const std::vector<OutputTopic>& topics) {
   const std::lock_guard lock(list_mutex_);
-  for (Output& output : outputs_) output.wanted = &output == &tf_ || (&output == &clock_ && with_clock_);
-  outputs_of_topics_.assign(topics.size(), nullptr);
+  for (Output& output : outputs_)
+    if (output.worker == worker && &output != &tf_ && &output != &clock_) output.wanted = false;
+  auto& outputs = outputs_of_topics_[static_cast<std::size_t>(worker)];
+  outputs.assign(topics.size(), nullptr);
   for (const OutputTopic& topic : topics) {
-    if (topic.worker != worker_) continue;
+    if (topic.worker != worker) continue;
     const MessageRow& row = row_of(topic);
     auto maker = row.maker();
     const auto same = [&](const Output& one) {
@@ -153,8 +151,9 @@ void PublisherThread::set_topics(const std::vector<OutputTopic>& topics) {
     const auto known = std::find_if(outputs_.begin(), outputs_.end(), same);
     Output& output =
         known != outputs_.end() ? *known : add_output(topic.name, std::move(maker), row.queue_depth);
+    output.worker = worker;
     output.wanted = true;
-    outputs_of_topics_.at(topic.id) = &output;
+    outputs.at(topic.id) = &output;
   }
 }
 
@@ -171,10 +170,7 @@ PublisherThread::Output& PublisherThread::output_of(const QueuedFrame& frame) {
 }
 
 void PublisherThread::start() {
-  thread_ = std::thread([this] {
-    if (worker_ == Worker::clouds) yield_this_thread();
-    run();
-  });
+  thread_ = std::thread([this] { run(); });
 }
 
 void PublisherThread::stop() {
@@ -265,7 +261,7 @@ void PublisherThread::count_subscribers() {
 void PublisherThread::run() {
   auto counted = Clock::now();
   while (!stopping_) {
-    watch_.tick(number_);
+    watch_.tick(ThreadWatch::publishing);
     QueuedFrame* const frame = queue_.pop(between_counts);
     if (const auto now = Clock::now(); now - counted >= between_counts) {
       count_subscribers();
@@ -292,7 +288,7 @@ bool PublisherThread::send(QueuedFrame& frame) {
 void PublisherThread::wait_for_subscribers_of(const QueuedFrame& frame) {
   Output& output = output_of(frame);
   const auto keeps_up = [&] {
-    watch_.tick(number_);
+    watch_.tick(ThreadWatch::publishing);
     const std::lock_guard lock(send_mutex_);
     return stopping_ || ((ready_ || output.latched) && output.in_flight() < most_in_flight);
   };

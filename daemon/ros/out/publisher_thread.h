@@ -4,6 +4,7 @@
 
 #include <ros/publisher.h>
 
+#include <array>
 #include <atomic>
 #include <boost/shared_array.hpp>
 #include <deque>
@@ -27,37 +28,38 @@ namespace lidard {
 ros::Publisher make_publisher(const std::string& topic, const MessageType& type, std::size_t queue_size,
                               bool latched, const ros::SubscriberStatusCallback& on_subscriber = {});
 
-/// Publishes the frames of one worker: a bounded queue, the publishers, and a thread that converts and
-/// publishes. The calls of FrameSink never wait (unless Backpressure::block), and come from one thread.
+/// Publishes the frames of all workers: a bounded queue, the publishers, and a thread that converts and
+/// publishes. The calls of FrameSink never wait (unless Backpressure::block); those on the topics of a worker
+/// come from its thread.
 class PublisherThread final : public FrameSink {
  public:
-  using OnDiagnostics = std::function<void(const std::vector<DiagnosticItem>&)>;
+  using OnDiagnostics = std::function<void(Worker, const std::vector<DiagnosticItem>&)>;
 
   /// `watch` must outlive this.
-  PublisherThread(const RosOptions& options, ThreadWatch& watch, Worker worker, OnDiagnostics on_diagnostics);
+  PublisherThread(const RosOptions& options, ThreadWatch& watch, OnDiagnostics on_diagnostics);
   ~PublisherThread() override { stop(); }
 
-  /// From the next call of publish() on the topics are those of the worker among these. A topic that stays
+  /// From the next call of publish() on the topics of the worker are those among these. A topic that stays
   /// keeps its queue, its figures and its subscribers; frames waiting on a removed one are published first.
-  void set_topics(const std::vector<OutputTopic>& topics);
+  void set_topics(Worker worker, const std::vector<OutputTopic>& topics);
   void start();
   /// Publishes nothing any more.
   void stop();
 
   void publish(const OutputTopic& topic, const Payload& payload, Stamp released) override {
-    queue_.push(outputs_of_topics_[topic.id]->slot, payload, released);
+    queue_.push(output_of(topic).slot, payload, released);
   }
-  bool wants(const OutputTopic& topic) const override {
-    return block_ || *outputs_of_topics_[topic.id]->has_subscribers;
-  }
+  bool wants(const OutputTopic& topic) const override { return block_ || *output_of(topic).has_subscribers; }
   void skip(const OutputTopic& topic, Stamp released) override {
-    queue_.skip(outputs_of_topics_[topic.id]->slot, released);
+    queue_.skip(output_of(topic).slot, released);
     ++(ready_ ? published_ : without_ros_);
   }
   void transforms(const std::vector<StaticTransform>& transforms, Stamp released) override {
     queue_.push(tf_.slot, transforms, released);
   }
-  void diagnostics(const std::vector<DiagnosticItem>& items, Stamp) override { on_diagnostics_(items); }
+  void diagnostics(const std::vector<DiagnosticItem>& items, Stamp, Worker worker) override {
+    on_diagnostics_(worker, items);
+  }
   /// The time of a replay, on /clock.
   void publish_clock(Stamp now) { queue_.push(clock_.slot, now, now); }
 
@@ -101,6 +103,7 @@ class PublisherThread final : public FrameSink {
         queue_size;  // messages that roscpp keeps for a slow subscriber before it drops the oldest
     // Shared with roscpp, which may outlive this.
     const std::shared_ptr<std::atomic<bool>> has_subscribers = std::make_shared<std::atomic<bool>>(false);
+    Worker worker = Worker::sensors;
     std::atomic<bool> wanted{true};
     std::atomic<std::uint64_t> lost{0};  // messages that a subscriber has not got
     std::atomic<std::chrono::steady_clock::time_point> lost_at{std::chrono::steady_clock::time_point()};
@@ -113,6 +116,9 @@ class PublisherThread final : public FrameSink {
 
   Output& add_output(const std::string& topic, std::unique_ptr<MessageMaker> maker, std::size_t depth);
   std::vector<Output*> outputs();
+  Output& output_of(const OutputTopic& topic) const {
+    return *outputs_of_topics_[static_cast<std::size_t>(topic.worker)][topic.id];
+  }
   Output& output_of(const QueuedFrame& frame);
   TopicFigures figures_of(const Output& output, Stamp now) const;
   void replace_publisher(Output& output, ros::Publisher next, bool leave = false);
@@ -124,14 +130,12 @@ class PublisherThread final : public FrameSink {
   const bool block_, with_clock_;
   ThreadWatch& watch_;
   const std::shared_ptr<const ClockStep> clock_step_;
-  const Worker worker_;
-  const ThreadWatch::Thread number_;
   const OnDiagnostics on_diagnostics_;
   FrameQueue queue_;
   std::mutex list_mutex_;
-  std::deque<Output> outputs_;              // by slot; guarded by list_mutex_
-  std::vector<Output*> outputs_of_topics_;  // by OutputTopic::id, of the thread that calls publish();
-                                            // nullptr: of the other worker
+  std::deque<Output> outputs_;  // by slot; guarded by list_mutex_
+  // By worker, whose thread uses it, and OutputTopic::id; nullptr: of the other worker.
+  std::array<std::vector<Output*>, workers> outputs_of_topics_;
   Output &tf_, &clock_;
   std::mutex send_mutex_;
   std::atomic<bool> ready_{false}, stopping_{false};

@@ -91,7 +91,7 @@ class Posted {
 
 std::shared_ptr<RosInputs> add_inputs(RosConnection& connection, const std::vector<TopicSource>& sources,
                                       RosPost post) {
-  auto inputs = std::make_shared<RosInputs>(sources, Worker::sensors, std::move(post));
+  auto inputs = std::make_shared<RosInputs>(sources, std::move(post));
   connection.add(inputs);
   return inputs;
 }

@@ -161,12 +161,11 @@ struct Listening {
   std::mutex mutex;
   std::vector<RosTask> waiting;
   RosConnection connection{{}, {}};
-  std::shared_ptr<RosInputs> inputs =
-      std::make_shared<RosInputs>(std::vector<TopicSource>{{"roof", "/velodyne_packets", true}},
-                                  Worker::sensors, [this](Worker, RosTask task) {
-                                    const std::lock_guard lock(mutex);
-                                    waiting.push_back(std::move(task));
-                                  });
+  std::shared_ptr<RosInputs> inputs = std::make_shared<RosInputs>(
+      std::vector<TopicSource>{{"roof", "/velodyne_packets", true}}, [this](Worker, RosTask task) {
+        const std::lock_guard lock(mutex);
+        waiting.push_back(std::move(task));
+      });
 
   Listening() {
     connection.add(inputs);
