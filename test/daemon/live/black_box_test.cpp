@@ -244,27 +244,6 @@ TEST_F(BlackBoxTest, SaysWhyNothingCanBeWritten) {
   EXPECT_THAT(dump(off, begin), HasSubstr("blackbox: {seconds: 60}"));
 }
 
-TEST_F(BlackBoxTest, SaysThatThereIsNotSoMuchMemory) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  GTEST_SKIP() << "a sanitizer needs more addresses than this test leaves";
-#endif
-  rlimit before{};
-  ASSERT_EQ(getrlimit(RLIMIT_AS, &before), 0);
-  const rlimit little{std::min<rlim_t>(before.rlim_max, 1ULL << 36U), before.rlim_max};
-  setrlimit(RLIMIT_AS, &little);
-  config_.megabytes = 100'000;
-  BlackBox box = this->box();
-  setrlimit(RLIMIT_AS, &before);
-  add(box, begin, "a");
-  EXPECT_THAT(dump(box, begin), HasSubstr("reduce `megabytes`"));
-  EXPECT_THAT(box.item()->message, HasSubstr("reduce `megabytes`"));
-  config_.megabytes = 1;
-  box.configure(config_);
-  add(box, begin, "a");
-  EXPECT_THAT(dump(box, begin), HasSubstr(".pcap"));
-  EXPECT_EQ(box.item()->health, Health::ok);
-}
-
 /// No file grows beyond 100 kB, as on a disk that is full.
 struct FullDisk {
   FullDisk() {
