@@ -222,7 +222,6 @@ void RosConnection::master_answered(MasterClient& master, int pid) {
   for (const Component& component : components_) {
     if (stopping_) return;
     component->poll(master);
-    publisher_.advertise_again(component->stale_topics());
   }
 }
 
