@@ -272,8 +272,6 @@ SensorReport Sensor::report() const {
   report.other_model = other_model_.sentence();
   report.recent = watch_.recent();
   report.whole = watch_.whole();
-  report.rivals = watch_.rivals();
-  report.rivals_ever = watch_.rivals_ever();
   return report;
 }
 

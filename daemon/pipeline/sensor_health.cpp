@@ -81,8 +81,8 @@ void judge_data(const SensorConfig& config, const SensorReport& report, Diagnost
   const Counters& c = report.counters;
   const FrameKind kind = config.model != nullptr ? config.model->kind : FrameKind::scan;
   const ReceptionVerdict verdict = lidard::judge(report.recent, kind);
-  if (!report.rivals.empty()) {
-    item.set(Health::error, rivals_text(report.rivals, config.ip_port));
+  if (std::string rivals = rivals_text(report.recent, config.ip_port); !rivals.empty()) {
+    item.set(Health::error, std::move(rivals));
   } else if (!report.other_model.empty() && is_all_refused(report.recent.counters)) {
     item.set(Health::error, report.other_model);
   } else if (c.packets > 0 && c.rejected_total() == c.packets) {
