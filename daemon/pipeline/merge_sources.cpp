@@ -38,23 +38,14 @@ MergeSources::MergeSources(Settings settings, const OutputContext& context)
       poses_(context.poses),
       scheduler_(settings_.names.size(), settings_.schedule),
       times_(settings_.names.size()),
-      reported_(settings_.names.size()),
-      why_unplaced_(settings_.names.size()),
-      taken_(settings_.names.size(), 0) {}
-
-void MergeSources::left_out(std::size_t source) {
-  ++counters.no_pose;
-  why_unplaced_[source] = counters.why_no_pose;
-}
+      reported_(settings_.names.size()) {}
 
 void MergeSources::delivered(std::size_t source, const SweepTimes& times, double period, Stamp now,
                              bool is_kept) {
-  why_unplaced_[source].clear();
   // As in Merger::add().
   if (times_[source] && times.first + restart_limit < times_[source]->first)
     times_.assign(times_.size(), std::nullopt);
   times_[source] = is_kept ? std::optional(times) : std::nullopt;
-  taken_[source] = 1;
   scheduler_.delivered(source, comparable(times.last(), now), period, now);
 }
 
@@ -171,24 +162,10 @@ bool MergeSources::states_changed(Stamp now) {
   return changed;
 }
 
-std::string MergeSources::why_missing(const WhySilent& why_silent) const {
-  std::string missing;
-  for (std::size_t s = 0; s < taken_.size(); ++s) {
-    if (taken_[s] != 0) continue;
-    const std::string& name = settings_.names[s];
-    const std::string why = why_unplaced_[s].empty()
-                                ? "source " + name + " gave no " + settings_.frames + why_silent(name)
-                                : "no pose for source " + name + ": " + why_unplaced_[s];
-    missing += (missing.empty() ? "" : "; ") + why;
-  }
-  if (counters.published > 0 || !missing.empty()) return missing;
-  if (!gate_.trouble().empty()) return gate_.trouble();
-  return std::string("no output was due with policy ") + to_string(settings_.schedule.policy);
-}
-
 void MergeSources::describe(DiagnosticItem& item, Stamp now, bool starting) const {
   describe_states(item, now, starting);
   describe_motion(item);
+  if (counters.published == 0 && !gate_.trouble().empty()) item.message = "no output: " + gate_.trouble();
 }
 
 void MergeSources::describe_states(DiagnosticItem& item, Stamp now, bool starting) const {

@@ -33,7 +33,6 @@ class MergeSources {
  public:
   struct Settings {
     std::vector<std::string> names;
-    const char* frames;  ///< what they give: "scans"
     ScheduleSettings schedule;
     MissingMotion on_missing_motion;
     std::string destination_frame;
@@ -41,8 +40,6 @@ class MergeSources {
   /// `context` must outlive this.
   MergeSources(Settings settings, const OutputContext& context);
 
-  /// Counts a frame that is not used, since its place (counters.why_no_pose) is not known.
-  void left_out(std::size_t source);
   /// A frame with a place came in; `is_kept`: and will be used.
   void delivered(std::size_t source, const SweepTimes& times, double period, Stamp now, bool is_kept = true);
   /// The instant of an output that is to be made now.
@@ -62,7 +59,6 @@ class MergeSources {
   bool states_changed(Stamp now);
   /// What became of the sources in the last output.
   const std::vector<SourceUse>& uses() const { return uses_; }
-  std::string why_missing(const WhySilent& why_silent) const;
   /// Adds the states of the sources, and motion.
   void describe(DiagnosticItem& item, Stamp now, bool starting) const;
   void describe_timing(DiagnosticItem& item, Stamp now) const;
@@ -83,8 +79,6 @@ class MergeSources {
   std::vector<std::optional<SweepTimes>> times_;  // of the newest frame of each source
   std::vector<ReportedState> reported_;
   Stamp looked_at_{};
-  std::vector<std::string> why_unplaced_;  // why the newest frame of a source had no place; empty: it had one
-  std::vector<char> taken_;                // sources of which a frame was ever used
   std::vector<SourceUse> uses_;
   SteadyStamps stamps_;
   PoseGate gate_;

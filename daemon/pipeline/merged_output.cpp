@@ -50,9 +50,9 @@ class MergedOutput final : public Output {
         context_(context),
         poses_(context.poses),
         footprint_(context.vehicle.footprint),
-        sources_({config.laserscan_topics, "scans", config.schedule, config.on_missing_motion,
-                  config.destination_frame},
-                 context),
+        sources_(
+            {config.laserscan_topics, config.schedule, config.on_missing_motion, config.destination_frame},
+            context),
         mount_check_(config.laserscan_topics.size()),
         compared_(config.laserscan_topics.size(), nullptr),
         places_(config.laserscan_topics.size(), Eigen::Vector2d::Zero()) {
@@ -74,8 +74,10 @@ class MergedOutput final : public Output {
   void add_scan(std::size_t source, const PlanarScan& scan, Stamp now) override {
     Pose pose;
     if (!place_footprint(scan.stamp) || !poses_.find(config_.destination_frame, scan.frame_id, scan.stamp,
-                                                     pose, sources_.counters.why_no_pose))
-      return sources_.left_out(source);
+                                                     pose, sources_.counters.why_no_pose)) {
+      ++sources_.counters.no_pose;
+      return;
+    }
     if (!merger_->add(source, scan, pose)) return;
     sources_.delivered(source, *merger_->times(source), static_cast<double>(scan.scan_time), now);
     advance(now);
@@ -100,9 +102,6 @@ class MergedOutput final : public Output {
     const auto has = [&](const OutputTopic* own) { return own != nullptr && own->name == topic; };
     return has(cloud_topic_) || has(status_topic_) ||
            std::any_of(scan_topics_.begin(), scan_topics_.end(), has);
-  }
-  std::string why_missing(const std::string&, const WhySilent& why_silent) const override {
-    return sources_.why_missing(why_silent);
   }
   DiagnosticItem diagnostics(Stamp now, bool starting) const override {
     DiagnosticItem item = health_of("merged " + config_.name, sources_.counters, now, starting);

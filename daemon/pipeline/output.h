@@ -93,9 +93,6 @@ struct OutputContext {
   Outlet& outlet;
 };
 
-/// Says why a sensor gave no frames, " (…)"; empty: it gave some, or it is no sensor.
-using WhySilent = std::function<std::string(const std::string& source)>;
-
 /// Something made of the frames of sources: an entry of merged_scans:, merged_clouds: or virtual_scans:.
 class Output {
  public:
@@ -128,8 +125,6 @@ class Output {
   virtual void restart() {}
 
   virtual bool publishes(const std::string& topic) const = 0;
-  /// Why nothing was published on `topic`; or, if something was, what was missing in it; empty: nothing.
-  virtual std::string why_missing(const std::string& topic, const WhySilent& why_silent) const = 0;
   virtual DiagnosticItem diagnostics(Stamp now, bool starting) const = 0;
 };
 

@@ -96,6 +96,8 @@ void judge_data(const SensorConfig& config, const SensorReport& report, Diagnost
     item.set(Health::warn, warnings_of(report));
   } else if (!report.filter_trouble.empty()) {
     item.set(Health::warn, report.filter_trouble);
+  } else if (config.model != nullptr && c.frames == 0) {
+    item.message = why_no_frame(*config.model, c, span_from_seconds(report.whole.watched_s));
   } else {
     item.message = "receiving";
   }

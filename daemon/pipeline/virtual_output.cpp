@@ -79,20 +79,11 @@ class VirtualOutput final : public Output {
     set_up();
   }
   bool publishes(const std::string& topic) const override {
-    for (std::size_t i = 0; i < topics_.size(); ++i) {
-      if (carries(topic, i)) return true;
+    for (const auto& of_frame : topics_) {
+      for (const OutputTopic* own : of_frame)
+        if (own->name == topic) return true;
     }
     return false;
-  }
-  std::string why_missing(const std::string& topic, const WhySilent& why_silent) const override {
-    if (counters_.published == 0 && counters_.no_pose == 0)
-      return "source " + config_.cloud_topic + " gave no clouds" + why_silent(config_.cloud_topic);
-    std::string missing;
-    for (std::size_t i = 0; i < why_unplaced_.size(); ++i) {
-      if (why_unplaced_[i].empty() || !carries(topic, i)) continue;
-      missing += (missing.empty() ? "" : "; ") + why_unplaced_[i];
-    }
-    return missing;
   }
   DiagnosticItem diagnostics(Stamp now, bool starting) const override {
     DiagnosticItem item = health_of("virtual " + config_.name, counters_, now, starting);
@@ -156,10 +147,6 @@ class VirtualOutput final : public Output {
       scans_[i].stamp = stamp;
       context_.outlet.publish(*topics_[frame][i], scans_[i], now);
     }
-  }
-  bool carries(const std::string& topic, std::size_t frame) const {
-    return std::any_of(topics_[frame].begin(), topics_[frame].end(),
-                       [&](const OutputTopic* own) { return own->name == topic; });
   }
   void describe_frames(DiagnosticItem& item) const {
     if (item.health != Health::ok) return;

@@ -28,6 +28,7 @@ struct Sample {
     report.last_arrival = bench_begin;
     report.last_telemetry = bench_begin - std::chrono::hours(1);
     report.counters.packets = 1000;
+    report.counters.frames = 1;
   }
   DiagnosticItem after(double passed_ms) const {
     return sensor_health(config, report, unknown, bench_begin + ms(passed_ms));
