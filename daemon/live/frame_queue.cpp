@@ -19,22 +19,18 @@ Kept& kept_in(QueuedContent& content) {
 
 std::size_t FrameQueue::add_slot(std::size_t depth) {
   const std::lock_guard lock(mutex_);
-  slots_.emplace_back().depth = backpressure_ == Backpressure::block ? least_depth : depth;
-  slots_.back().allocate(slots_.size() - 1);
-  return slots_.size() - 1;
+  const std::size_t number = slots_.size();
+  Slot& slot = slots_.emplace_back();
+  slot.depth = backpressure_ == Backpressure::block ? least_depth : depth;
+  // One more frame than may wait: the publishing thread holds one.
+  slot.frames.assign(slot.depth + 1, {number, 0, {}, {}});
+  for (QueuedFrame& frame : slot.frames) slot.free.push_back(&frame);
+  return number;
 }
 
 void FrameQueue::release(std::size_t number) {
   const std::lock_guard lock(mutex_);
-  if (slots_.at(number).idle()) slots_[number].allocate(number);
-}
-
-/// One more frame than may wait: the publishing thread holds one.
-void FrameQueue::Slot::allocate(std::size_t number) {
-  frames.assign(depth + 1, {number, 0, {}, {}});
-  frames.shrink_to_fit();
-  free.clear();
-  for (QueuedFrame& frame : frames) free.push_back(&frame);
+  for (QueuedFrame* const frame : slots_.at(number).free) frame->content = {};
 }
 
 /// True if a frame must be dropped to make room.
@@ -136,11 +132,6 @@ TopicFigures FrameQueue::figures(std::size_t number, Stamp now) const {
 bool FrameQueue::idle() const {
   const std::lock_guard lock(mutex_);
   return std::all_of(slots_.begin(), slots_.end(), [](const Slot& slot) { return slot.idle(); });
-}
-
-bool FrameQueue::idle(std::size_t slot) const {
-  const std::lock_guard lock(mutex_);
-  return slots_.at(slot).idle();
 }
 
 std::uint64_t FrameQueue::dropped() const {

@@ -58,12 +58,10 @@ class FrameQueue {
   void done(QueuedFrame* frame);
   /// The same of a frame that was published at `now`.
   void published(QueuedFrame* frame, Stamp now);
-  /// The figures of a slot's topic;
+  /// The figures of a slot's topic.
   TopicFigures figures(std::size_t slot, Stamp now) const;
   /// True if all frames were given back.
   bool idle() const;
-  /// The same of one slot.
-  bool idle(std::size_t slot) const;
   /// Frames dropped so far.
   std::uint64_t dropped() const;
   /// Ends all waiting; from now on nothing is pushed or popped.
@@ -77,7 +75,6 @@ class FrameQueue {
     std::size_t depth = 0;
     std::uint64_t dropped = 0;
     TopicWatch watch;
-    void allocate(std::size_t number);
     bool idle() const { return free.size() == frames.size(); }
   };
   static bool must_drop(const Slot& slot, Stamp released);

@@ -56,7 +56,6 @@ class MergedCloudOutput final : public Output {
     if (item.health == Health::ok && sources_.counters.published > 0 && !is_wanted())
       item.message = "not built: nobody subscribes to " + topic_.name + ", and no virtual scan is made of it";
     item.add("Returns", merged_size_);
-    sources_.describe_timing(item, now);
     item.add("Clouds replaced before use", merger_.superseded());
     item.add("Clouds out of order", merger_.out_of_order());
     return item;
@@ -101,7 +100,7 @@ class MergedCloudOutput final : public Output {
       ++sources_.counters.no_pose;
       return sources_.not_published(now);
     }
-    sources_.published(merger_.merge(moment, sources_.usable(now), merged_), moment.at, now);
+    sources_.published(merger_.merge(moment, sources_.usable(now), merged_), now);
     merged_size_ = merged_.size();
     context_.outlet.publish(topic_, merged_, now);
     context_.outlet.feed(topic_, merger_.placed(), moment.at, now);

@@ -106,9 +106,7 @@ class MergedOutput final : public Output {
   DiagnosticItem diagnostics(Stamp now, bool starting) const override {
     DiagnosticItem item = health_of("merged " + config_.name, sources_.counters, now, starting);
     sources_.describe(item, now, starting);
-    describe_beams(item);
     describe_mounts(item);
-    sources_.describe_timing(item, now);
     item.add("Sweeps replaced before use", merger_->superseded());
     item.add("Sweeps out of order", merger_->out_of_order());
     item.add("Sweeps with impossible times", merger_->bad_times());
@@ -142,7 +140,7 @@ class MergedOutput final : public Output {
   void publish(const MergeMoment& moment, Stamp now) {
     const MergeReport& report =
         merger_->merge(moment, sources_.usable(now), merged_, cloud_topic_ != nullptr ? &cloud_ : nullptr);
-    sources_.published(report, moment.at, now);
+    sources_.published(report, now);
     compare_sources(moment.at);
     for (std::size_t i = 0; i < scans_.size(); ++i) context_.outlet.publish(*scan_topics_[i], scans_[i], now);
     if (cloud_topic_ != nullptr) context_.outlet.publish(*cloud_topic_, cloud_, now);
@@ -174,17 +172,6 @@ class MergedOutput final : public Output {
     mount_check_.update(
         stamp, compared_, places_,
         poses_.track() != nullptr && std::none_of(sources_.uses().begin(), sources_.uses().end(), moved));
-  }
-  void describe_beams(DiagnosticItem& item) const {
-    const PlanarScan& scan = scans_[0];
-    if (scan.beams == 0) return;
-    const auto share = [&](BeamStatus status) {
-      const auto n = std::count(scan.statuses.begin(), scan.statuses.end(), status);
-      return fmt::format("{:.1f} %", 100.0 * static_cast<double>(n) / static_cast<double>(scan.beams));
-    };
-    item.add("Beams with a hit", share(BeamStatus::hit));
-    item.add("Beams free", share(BeamStatus::none));
-    item.add("Beams unobserved", share(BeamStatus::invalid));
   }
   void describe_mounts(DiagnosticItem& item) const {
     const auto wrong = mount_check_.wrong_source();

@@ -1,9 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <spdlog/fmt/fmt.h>
-
 #include <algorithm>
-#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -96,7 +93,6 @@ class VirtualOutput final : public Output {
     if (item.health == Health::ok && !why.empty()) {
       item.set(Health::warn, "points alone, nothing is known to be free: of the cloud " + why);
     }
-    describe_beams(item);
     return item;
   }
 
@@ -155,23 +151,6 @@ class VirtualOutput final : public Output {
       item.set(Health::warn, "publishing without " + config_.virtual_laser_scan[i] + ": " + why_unplaced_[i]);
     }
   }
-  void describe_beams(DiagnosticItem& item) const {
-    for (std::size_t i = 0; i < config_.virtual_laser_scan.size(); ++i) {
-      const Visibility& visibility = virtualizer_->visibility(i);
-      std::array<std::size_t, 5> counts{};
-      for (std::size_t beam = 0; beam < visibility.beams(); ++beam)
-        ++counts[static_cast<std::size_t>(visibility.state(beam))];
-      const auto share = [&](BeamState seen) {
-        return 100.0 * static_cast<double>(counts[static_cast<std::size_t>(seen)]) /
-               static_cast<double>(visibility.beams());
-      };
-      item.add("Beams of " + config_.virtual_laser_scan[i],
-               fmt::format("hit {:.1f} %, free {:.1f} %, behind {:.1f} %, gap {:.1f} %, unobserved {:.1f} %",
-                           share(BeamState::hit), share(BeamState::free), share(BeamState::behind),
-                           share(BeamState::gap), share(BeamState::unobserved)));
-    }
-  }
-
   VirtualScanConfig config_;
   const OutputContext& context_;
   const FrameTree& poses_;

@@ -120,20 +120,13 @@ std::vector<DiagnosticItem> RosConnection::own_items(Stamp now) {
   return items;
 }
 
-RosStatus RosConnection::status() const {
-  return {master_present_,        publisher_.ready(),   publisher_.subscribers(),
-          publisher_.published(), publisher_.dropped(), publisher_.without_ros(),
-          foreign_stops_};
-}
-
 DiagnosticItem RosConnection::own_status() const {
   DiagnosticItem item{"ROS"};
   judge_own_status(item);
-  const RosStatus now = status();
-  item.add("Frames published", now.published);
-  item.add("Frames dropped", now.dropped);
-  item.add("Frames before the master came", now.without_ros);
-  item.add("Subscribers", now.subscribers);
+  item.add("Frames published", publisher_.published());
+  item.add("Frames dropped", publisher_.dropped());
+  item.add("Frames before the master came", publisher_.without_ros());
+  item.add("Subscribers", publisher_.subscribers());
   item.logged = true;
   return item;
 }

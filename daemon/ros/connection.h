@@ -23,17 +23,6 @@
 
 namespace lidard {
 
-/// A snapshot for status lines, diagnostics and tests.
-struct RosStatus {
-  bool master = false;              ///< the master answered lately
-  bool connected = false;           ///< topics are advertised
-  std::size_t subscribers = 0;      ///< of all frame topics together
-  std::uint64_t published = 0;      ///< frames given to roscpp
-  std::uint64_t dropped = 0;        ///< frames dropped because the ROS thread was behind
-  std::uint64_t without_ros = 0;    ///< frames that came while there was no master yet
-  std::uint64_t foreign_stops = 0;  ///< how often this node was shut down from outside
-};
-
 /// The ROS node. Only the master thread calls the master, waits for it, and registers again after a restart;
 /// PublisherThread publishes, and RosCallbackThread lives while ROS runs.
 class RosConnection {
@@ -60,11 +49,13 @@ class RosConnection {
 
   /// Name of the node.
   const std::string& node() const { return node_; }
-  RosStatus status() const;
   /// The state of everything as /diagnostics has it: the newest items that the sink got, then those of the
   /// connection, of the topics and of the components; `now` as FrameQueue::figures().
   std::vector<DiagnosticItem> diagnostics(Stamp now);
+  /// The master answered lately.
   bool has_master() const { return master_present_; }
+  /// How often this node was shut down from outside.
+  std::uint64_t foreign_stops() const { return foreign_stops_; }
   /// The threads that have not moved since the last call that returned "", see ThreadWatch::standing(). For a
   /// watchdog; always to be called by the same thread.
   std::string standing_threads() { return watch_.standing(master_present_); }

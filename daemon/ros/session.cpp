@@ -50,7 +50,7 @@ RosSession::RosSession(const Config& config, const RosOptions& options)
 
 TransformSource& RosSession::poses() { return *poses_; }
 
-void RosSession::feed(const Config& config, Post post) {
+void RosSession::feed(const Config& config, RosPost post) {
   post_ = std::move(post);
   renew(nullptr, config);
 }

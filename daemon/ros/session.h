@@ -10,7 +10,6 @@
 
 namespace lidard {
 
-class MessageReceiver;
 class TfPoses;
 class TransformSource;
 
@@ -18,9 +17,6 @@ class TransformSource;
 /// nodes and changes of outputs. The same live, in replay and in the drop-ins.
 class RosSession : public RosConnection {
  public:
-  /// See RosPost.
-  using Post = std::function<void(Worker worker, std::function<void(MessageReceiver&, Stamp received)> task)>;
-
   /// Throws RosError.
   RosSession(const Config& config, const RosOptions& options);
 
@@ -28,7 +24,7 @@ class RosSession : public RosConnection {
   TransformSource& poses();
   /// Passes messages of `topic:` and `packet_topic:` sensors, of the vehicle's motion and of
   /// dynamic_reconfigure to the pipelines. To be called before start().
-  void feed(const Config& config, Post post);
+  void feed(const Config& config, RosPost post);
   /// Applies another configuration, except PublisherThread::set_topics(). Throws RosError; then nothing
   /// changes.
   void change(const Config& before, const Config& config);
@@ -39,7 +35,7 @@ class RosSession : public RosConnection {
   const ReconfigureNames names_;
   const SharedClockStep clock_step_;
   const std::shared_ptr<TfPoses> poses_;
-  Post post_;
+  RosPost post_;
   std::shared_ptr<RosComponent> inputs_, motion_, reconfigure_, outline_;
 };
 

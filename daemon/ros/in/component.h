@@ -75,11 +75,6 @@ using RosPost = std::function<void(Worker worker, RosTask task)>;
 /// Converts the stamps of messages, which are the host's, to the time of the pipelines.
 using SharedClockStep = std::shared_ptr<const ClockStep>;
 
-/// True until the master was asked and connections had time to come: no publisher counts as missing yet.
-inline bool may_still_come(std::chrono::steady_clock::time_point connected_at) {
-  return std::chrono::steady_clock::now() - connected_at < std::chrono::seconds(2);
-}
-
 /// Subscribes to the topics of the vehicle's motion: nav_msgs/Odometry, or sensor_msgs/Imu with a speed
 /// (geometry_msgs/TwistStamped), for the workers that use it.
 std::shared_ptr<RosComponent> make_ros_motion(const VehicleConfig& vehicle, std::vector<Worker> users,

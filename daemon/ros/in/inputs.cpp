@@ -20,6 +20,9 @@ namespace {
 /// Messages of one source that may wait for the sensor thread.
 constexpr int most_pending = 4;
 
+/// Until the master was asked and connections had time to come no publisher counts as missing.
+constexpr auto first_patience = std::chrono::seconds(2);
+
 /// The unused part of a usable message.
 struct LeftOut {
   std::size_t points = 0;
@@ -227,7 +230,7 @@ std::vector<DiagnosticItem> RosInputs::diagnostics() {
   std::vector<DiagnosticItem> items;
   for (const auto& r : report()) {
     DiagnosticItem item{r.sensor + " input"};
-    judge(r, may_still_come(connected_at_), item);
+    judge(r, std::chrono::steady_clock::now() - connected_at_ < first_patience, item);
     item.values = {{"Topic", r.topic},
                    {"Type", r.type},
                    {"Messages", std::to_string(r.messages)},

@@ -194,7 +194,7 @@ void PublisherThread::advertise() {
   for (Output* const output : outputs()) {
     if (output->wanted && !output->publisher) {
       replace_publisher(*output, output->make());
-    } else if (!output->wanted && output->publisher && queue_.idle(output->slot)) {
+    } else if (!output->wanted && output->publisher) {
       replace_publisher(*output, {});
       queue_.release(output->slot);
     }

@@ -40,7 +40,7 @@ class PublisherThread final : public FrameSink {
   ~PublisherThread() override { stop(); }
 
   /// From the next call of publish() on the topics of the worker are those among these. A topic that stays
-  /// keeps its queue, its figures and its subscribers; frames waiting on a removed one are published first.
+  /// keeps its queue, its figures and its subscribers.
   void set_topics(Worker worker, const std::vector<OutputTopic>& topics);
   void start();
   /// Publishes nothing any more.

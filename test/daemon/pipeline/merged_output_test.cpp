@@ -21,7 +21,7 @@ using test::round_scan;
 using testing::HasSubstr;
 using testing::MatchesRegex;
 
-TEST(MergedOutput, AgeOfASourceCountsFromItsLastRayAndLatencyFromTheStamp) {
+TEST(MergedOutput, AgeOfASourceCountsFromItsLastRay) {
   PipelineBench bench(two_sources("deadline: 0.01"));
   for (double at = 100; at <= 1000; at += 100) {
     sweep(bench, "a", ms(at));
@@ -33,22 +33,19 @@ TEST(MergedOutput, AgeOfASourceCountsFromItsLastRayAndLatencyFromTheStamp) {
   // The instant of an output is the first ray of its newest sweep; it came out with the last one.
   expect_near(bench.sink.scans["m"].back().stamp, bench_begin + ms(1007) - sweep_time);
   EXPECT_EQ(bench.sink.released["m"].back(), bench_begin + ms(1007));
-  EXPECT_EQ(bench.value("merged m", "Latency (ms)", now), "80.0");
-  EXPECT_EQ(bench.value("merged m", "Skew of the sources (ms)", now), "7.0");
 }
 
-TEST(MergedOutput, SkewAndStampDoNotDependOnTheOrderOfTheSources) {
+TEST(MergedOutput, StampDoesNotDependOnTheOrderOfTheSources) {
   for (const bool a_first : {false, true}) {
     PipelineBench bench(two_sources(""));
     sweep(bench, a_first ? "a" : "b", ms(100));
     sweep(bench, a_first ? "b" : "a", ms(112));
     ASSERT_EQ(bench.sink.count("m"), 1U);
     expect_near(bench.sink.scans["m"].back().stamp, bench_begin + ms(112) - sweep_time);
-    EXPECT_EQ(bench.value("merged m", "Skew of the sources (ms)", bench_begin + ms(112)), "12.0");
   }
 }
 
-TEST(MergedOutput, StampsOfAnotherClockHaveNoLatencyAndTheirAgeCountsFromTheArrival) {
+TEST(MergedOutput, AgeOfStampsOfAnotherClockCountsFromTheArrival) {
   PipelineBench bench(two_sources("deadline: 0.01"));
   const Span simulated = std::chrono::hours(200'000);
   for (double at = 100; at <= 1000; at += 100) {
@@ -57,7 +54,6 @@ TEST(MergedOutput, StampsOfAnotherClockHaveNoLatencyAndTheirAgeCountsFromTheArri
                  bench_begin + ms(at));
   }
   const Stamp now = bench_begin + ms(1030);
-  EXPECT_EQ(bench.value("merged m", "Latency (ms)", now), "stamps are of another clock");
   EXPECT_EQ(bench.value("merged m", "Source a", now), "ok, 10.0 Hz, age 30 ms");
   EXPECT_EQ(bench.sink.count("m"), 10U);
 }
@@ -73,30 +69,6 @@ TEST(MergedOutput, StatusTopicNeverSaysMoreThanRangeMax) {
   EXPECT_EQ(known.frame_id, "base_link");
   for (std::size_t i = 0; i < known.beams; ++i) EXPECT_LE(known.ranges[i], 20) << i;
   EXPECT_GT(std::count(known.ranges.begin(), known.ranges.end(), 20), 350) << "nearly all of it is free";
-}
-
-TEST(MergedOutput, SharesOfTheBeamsAreThoseOfTheNewestScan) {
-  PipelineBench bench(two_sources("profile: strict"));
-  // One half sees a wall, a quarter sees through, a quarter observes nothing.
-  PlanarScan scan = round_scan("a", bench_begin, 5, 720);
-  for (std::size_t i = 360; i < 540; ++i) scan.set_without_hit(i, BeamStatus::none);
-  for (std::size_t i = 540; i < 720; ++i) scan.set_without_hit(i, BeamStatus::invalid);
-  bench.give("a", scan, bench_begin);
-  scan.frame_id = "b";
-  bench.give("b", scan, bench_begin);
-  const PlanarScan& merged = bench.sink.scans["m"].at(0);
-  const auto share = [&](BeamStatus status) {
-    const auto n = std::count(merged.statuses.begin(), merged.statuses.end(), status);
-    char text[16];
-    std::snprintf(text, sizeof text, "%.1f %%", static_cast<double>(n) / 3.6);
-    return std::string(text);
-  };
-  EXPECT_EQ(bench.value("merged m", "Beams with a hit", bench_begin), share(BeamStatus::hit));
-  EXPECT_EQ(bench.value("merged m", "Beams free", bench_begin), share(BeamStatus::none));
-  EXPECT_EQ(bench.value("merged m", "Beams unobserved", bench_begin), share(BeamStatus::invalid));
-  EXPECT_NEAR(
-      static_cast<double>(std::count(merged.statuses.begin(), merged.statuses.end(), BeamStatus::hit)), 180,
-      3);
 }
 
 OutputScanConfig changed(const PipelineBench& bench, std::size_t beams) {
@@ -185,8 +157,8 @@ TEST(MergedOutput, NamesAStaleSourceAsAWarningAndALostOneAsAnError) {
     }
     return late.item("merged m", bench_begin + ms(end + 10));
   };
-  EXPECT_EQ(until(100, 3100).health, Health::ok) << "it is stale from 2150 on, for less than a second";
-  const DiagnosticItem stale = until(3200, 3300);
+  EXPECT_EQ(until(100, 2900).health, Health::ok) << "it is stale from 2150 on, for less than ten outputs";
+  const DiagnosticItem stale = until(3000, 3300);
   EXPECT_EQ(stale.health, Health::warn);
   EXPECT_EQ(stale.message, "publishing without b, whose sweeps are too old");
   EXPECT_EQ(test::value_of(stale, "Sources lost"), "");
@@ -223,26 +195,6 @@ TEST(MergedOutput, CallsASourceStaleOnceThatIsSoMoreOftenThanNotForASecond) {
   }
   EXPECT_EQ(states.size(), well) << "stale for milliseconds, ten times";
   EXPECT_GE(bench.value("merged m", "Sources waited for in vain", bench_begin + ms(12000)), "1");
-}
-
-TEST(ReportedState, StaysForASecondUnlessTheSourceIsLost) {
-  ReportedState state;
-  EXPECT_TRUE(state.update(SourceState::ok, ms(10)));
-  for (int i = 0; i < 1000; ++i) {
-    EXPECT_FALSE(state.update(i % 2 == 0 ? SourceState::stale : SourceState::ok, ms(10))) << "to and fro";
-  }
-  int steps = 0;
-  while (!state.update(SourceState::stale, ms(10))) ++steps;
-  EXPECT_EQ(state.state(), SourceState::stale);
-  EXPECT_EQ(steps, 99);
-  for (steps = 0; !state.update(SourceState::ok, ms(10));) ++steps;
-  EXPECT_EQ(state.state(), SourceState::ok);
-  EXPECT_EQ(steps, 99);
-  EXPECT_TRUE(state.update(SourceState::lost, ms(10))) << "at once";
-  EXPECT_TRUE(state.update(SourceState::stale, ms(10))) << "back, but still of no use";
-  EXPECT_EQ(state.state(), SourceState::stale);
-  EXPECT_TRUE(state.update(SourceState::lost, ms(10)));
-  EXPECT_TRUE(state.update(SourceState::ok, ms(10)));
 }
 
 TEST(MergedOutput, CountsWhatItWaitedForInVain) {

@@ -57,8 +57,8 @@ bool soon(Condition condition, std::chrono::milliseconds limit = 20s) {
   return condition();
 }
 
-bool have_subscribers(const RosConnection& connection, std::size_t count) {
-  return soon([&] { return connection.status().subscribers >= count; }, 30s);
+bool have_subscribers(RosConnection& connection, std::size_t count) {
+  return soon([&] { return connection.sink().subscribers() >= count; }, 30s);
 }
 
 TEST(RosConnection, PublishesScansEchoesCloudsAndLatchedTransforms) {
@@ -132,8 +132,8 @@ TEST(RosConnection, ReceivesWithoutAMasterAndPublishesSoonAfterItCame) {
     RosConnection connection({}, sample_topics());
     connection.start();
     publish_for(connection, 300ms);
-    EXPECT_FALSE(connection.status().connected);
-    EXPECT_TRUE(soon([&] { return connection.status().without_ros > 1; }));
+    EXPECT_FALSE(connection.sink().ready());
+    EXPECT_TRUE(soon([&] { return connection.sink().without_ros() > 1; }));
     master.start();
     const test::Starved starved;
     const auto begin = SteadyClock::now();
@@ -156,7 +156,7 @@ TEST(RosConnection, RegistersAgainAtAMasterThatWasRestarted) {
     master.kill();
     publish_for(connection, 200ms);
     ASSERT_TRUE(connection.flush(30s));
-    const std::size_t sent = connection.status().published;
+    const std::size_t sent = connection.sink().published();
     EXPECT_GT(sent, 1U);
     EXPECT_EQ(early.take(sent).size(), sent) << "a connection that exists must not suffer";
     master.start();
@@ -186,10 +186,10 @@ TEST(RosConnection, IsNotDisturbedByAMasterThatHangs) {
     }
     EXPECT_LT(longest, surely_not_hanging + starved.time());
     ASSERT_TRUE(connection.flush(30s));
-    const std::size_t sent = connection.status().published;
+    const std::size_t sent = connection.sink().published();
     EXPECT_GT(sent, 50U);
     EXPECT_EQ(listener.take(sent).size(), sent);
-    EXPECT_TRUE(soon([&] { return !connection.status().master; }));
+    EXPECT_TRUE(soon([&] { return !connection.has_master(); }));
     const auto begin = SteadyClock::now();
     EXPECT_FALSE(connection.stop());
     EXPECT_LT(SteadyClock::now() - begin, surely_not_hanging + starved.time());
@@ -205,7 +205,7 @@ TEST(RosConnection, WantsACloudWhileSomebodySubscribesAndCountsThoseThatNobodyGe
     FrameSink& sink = connection.sink();
     EXPECT_FALSE(sink.wants(test::roof_points));
     sink.skip(test::roof_points, Stamp{1});
-    EXPECT_EQ(connection.status().without_ros, 1U);
+    EXPECT_EQ(connection.sink().without_ros(), 1U);
     master.start();
     connection.start();
     EXPECT_TRUE(soon([&] { return sink.wants(test::roof_points); }));
@@ -213,7 +213,7 @@ TEST(RosConnection, WantsACloudWhileSomebodySubscribesAndCountsThoseThatNobodyGe
     listener.reset();
     EXPECT_TRUE(soon([&] { return !sink.wants(test::roof_points); }));
     sink.skip(test::roof_points, Stamp{2});
-    EXPECT_EQ(connection.status().published, 1U);
+    EXPECT_EQ(connection.sink().published(), 1U);
     EXPECT_EQ(connection.sink().figures("roof/points", Stamp{2}).frames, 2U);
     EXPECT_TRUE(connection.stop());
   });
@@ -321,12 +321,12 @@ TEST(RosConnection, ComesBackWhenSomebodyShutsItsNodeDown) {
       ASSERT_TRUE(us);
       std::string error;
       ASSERT_TRUE(xmlrpc_call(*us, "shutdown", arguments, 500ms, error)) << error;
-      EXPECT_TRUE(soon([&] { return connection.status().foreign_stops == static_cast<unsigned>(i); }));
-      EXPECT_TRUE(soon([&] { return connection.status().connected && ros::ok(); }));
-      const auto before = connection.status().published;
+      EXPECT_TRUE(soon([&] { return connection.foreign_stops() == static_cast<unsigned>(i); }));
+      EXPECT_TRUE(soon([&] { return connection.sink().ready() && ros::ok(); }));
+      const auto before = connection.sink().published();
       EXPECT_TRUE(soon([&] {
         connection.sink().publish(test::front_scan, sample_scan(), Stamp{1});
-        return connection.status().published > before;
+        return connection.sink().published() > before;
       }));
     }
     MasterClient client({"127.0.0.1", master.port()}, "/test");
