@@ -1,10 +1,14 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <diagnostic_msgs/DiagnosticArray.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <ros/publication.h>
+#include <ros/topic_manager.h>
 #include <ros/xmlrpc_manager.h>
 #include <rosgraph_msgs/Clock.h>
 
+#include <algorithm>
 #include <chrono>
 #include <iostream>
 #include <thread>
@@ -74,6 +78,11 @@ TEST(RosConnection, PublishesScansEchoesCloudsAndLatchedTransforms) {
                                  Stamp{1'000'000'000});
     connection.start();
     ASSERT_TRUE(have_subscribers(connection, 3));
+    const auto kept_for_a_slow_subscriber = [](const char* topic) {
+      return ros::TopicManager::instance()->lookupPublication(topic)->getMaxQueue();
+    };
+    EXPECT_EQ(kept_for_a_slow_subscriber("/front/scan"), 100U);
+    EXPECT_EQ(kept_for_a_slow_subscriber("/roof/points"), 10U);
     connection.sink().publish(test::front_scan, sample_scan(), Stamp{1});
     connection.sink().publish(test::front_echoes, sample_scan(), Stamp{1});
     auto cloud = sample_cloud(30000);
@@ -261,6 +270,30 @@ TEST(RosConnection, ShowsDiagnosticsToRostopic) {
     EXPECT_THAT(text, testing::HasSubstr("hardware_id: \"SN42\""));
     EXPECT_THAT(text, testing::HasSubstr("no data for 2 s; check the cable"));
     EXPECT_THAT(text, testing::HasSubstr("name: \"lidard: ROS\""));
+    EXPECT_TRUE(connection.stop());
+  });
+}
+
+TEST(RosConnection, CallsItemsOfAThreadThatHangsErrors) {
+  in_own_process([] {
+    RosMaster master;
+    Listener<diagnostic_msgs::DiagnosticArray> listener("/diagnostics");
+    master.start();
+    RosOptions aging;
+    aging.longest_report_age = 1s;
+    RosConnection connection(aging, sample_topics());
+    connection.start();
+    ASSERT_TRUE(connection.wait_for_master(30s));
+    for (int i = 0; i < 40; ++i) {
+      connection.sink().diagnostics({{"front", "SN42", Health::ok, "fine", {}}}, Stamp{1}, Worker::sensors);
+      std::this_thread::sleep_for(100ms);
+    }
+    std::vector<std::string> texts;
+    for (int i = 0; i < 100 && (texts.empty() || texts.back() == "fine"); ++i)
+      for (const auto& message : listener.take(1, 200ms))
+        if (message.status.front().hardware_id == "SN42") texts.push_back(message.status.front().message);
+    EXPECT_GE(std::count(texts.begin(), texts.end(), "fine"), 3) << "once a second while it reports";
+    EXPECT_THAT(texts.back(), testing::StartsWith("no report from the sensor thread for 1."));
     EXPECT_TRUE(connection.stop());
   });
 }

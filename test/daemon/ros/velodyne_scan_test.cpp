@@ -129,6 +129,7 @@ TEST(VelodyneScanMessage, HandsOnEveryPacketWithItsStamp) {
 TEST(VelodyneScanMessage, DefinesItsPacketsAsTheirPackageDoes) {
   EXPECT_THAT(VelodyneScanMessage().message_type().definition,
               testing::EndsWith("=\nMSG: velodyne_msgs/VelodynePacket\ntime stamp\nuint8[1206] data\n"));
+  EXPECT_TRUE(VelodyneScanMessage().message_type().begins_with_header) << "roscpp numbers it";
 }
 
 TEST(VelodyneScanMessage, CutOffAnywhereGivesNoPacket) {
