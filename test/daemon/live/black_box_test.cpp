@@ -285,50 +285,5 @@ TEST_F(BlackBoxTest, OnAFullDiskNothingOlderIsRemovedAndNothingHalfWrittenIsLeft
   EXPECT_EQ(box.item()->health, Health::ok);
 }
 
-TEST_F(BlackBoxTest, AnHourWithThreeIncidentsAMinuteAndDumpsBetween) {
-  config_.seconds = 60;
-  config_.megabytes = 16;
-  BlackBox box = this->box();
-  const std::string payload(1000, 'x');
-  std::vector<Stamp> incidents, in_a_capture;
-  std::size_t captures = 0, dumps = 0;
-  std::string first_capture;
-  std::vector<Stamp> waiting;
-  const auto read_new = [&] {
-    const test::Contents found = read_capture((folder_ / files().at(files().size() - 1)).string());
-    ++captures;
-    for (const Stamp at : waiting)
-      if (found.stamps.front() <= at && at <= found.stamps.back()) in_a_capture.push_back(at);
-    if (first_capture.empty()) first_capture = (folder_ / files().back()).string();
-  };
-  for (int tenth = 0; tenth < 36'000; ++tenth) {
-    const Stamp now = begin + milliseconds(100 * tenth);
-    for (int i = 0; i < 10; ++i) add(box, now + milliseconds(i), payload);
-    if (tenth % 200 == 150) {
-      box.incident(now, tenth % 400 == 150 ? "front" : "rear");
-      incidents.push_back(now);
-      waiting.push_back(now);
-    }
-    if (writes(box, now)) {
-      read_new();
-      waiting.clear();
-    }
-    if (tenth % 3000 == 2999) {
-      EXPECT_THAT(dump(box, now), HasSubstr(".pcap"));
-      ++dumps;
-    }
-  }
-  EXPECT_EQ(incidents.size(), 180U);
-  EXPECT_EQ(dumps, 12U);
-  EXPECT_GE(captures, 55U);
-  // The newest ones are still to be written.
-  EXPECT_GE(in_a_capture.size() + 4, incidents.size());
-  in_a_capture.resize(std::min(in_a_capture.size(), incidents.size()));
-  incidents.resize(in_a_capture.size());
-  EXPECT_EQ(in_a_capture, incidents);
-  EXPECT_TRUE(fs::exists(first_capture)) << "of the first incident";
-  EXPECT_EQ(files().size(), 20U);
-}
-
 }  // namespace
 }  // namespace lidard
