@@ -2,9 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/live/packet_ring.h"
 
+#include <sys/mman.h>
+
 #include <algorithm>
 #include <cstring>
 #include <map>
+#include <new>
 #include <type_traits>
 #include <utility>
 
@@ -21,8 +24,18 @@ static_assert(std::is_trivially_copyable_v<Packet>, "packets are kept as bytes")
 
 }  // namespace
 
+/// Memory of its own, which returns to the system: blocks would leave holes in the heap.
 struct PacketRing::Block {
-  const std::unique_ptr<std::uint8_t[]> bytes{new std::uint8_t[block_bytes]};
+  Block()
+      : bytes(static_cast<std::uint8_t*>(
+            mmap(nullptr, block_bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0))) {
+    if (bytes == MAP_FAILED) throw std::bad_alloc();
+  }
+  ~Block() { munmap(bytes, block_bytes); }
+  Block(const Block&) = delete;
+  Block& operator=(const Block&) = delete;
+
+  std::uint8_t* const bytes;
   std::size_t used = 0;
   Stamp newest;
   bool is_shared = false;  // a snapshot has it
@@ -76,7 +89,7 @@ void PacketRing::read(Snapshot snapshot, Stamp since, const std::function<void(c
     for (std::size_t at = 0; at < block->used;) {
       Packet packet;
       std::memcpy(&packet, &block->bytes[at], sizeof packet);
-      const std::uint8_t* const payload = &block->bytes[at] + sizeof packet;
+      const std::uint8_t* const payload = block->bytes + at + sizeof packet;
       const std::size_t size = sizeof packet + packet.payload.size();
       at += size;
       if (packet.arrival < since) continue;
