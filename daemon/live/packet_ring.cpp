@@ -47,6 +47,7 @@ void PacketRing::add(const Packet& packet, Span longest) {
   const std::size_t size = sizeof packet + packet.payload.size();
   if (size > block_bytes) return;  // longer than any chunk of a socket
   if (!is_open_ || blocks_.back()->used + size > block_bytes) begin_block(packet.arrival - longest);
+  if (!is_open_) return;
   Block& block = *blocks_.back();
   std::uint8_t* const to = &block.bytes[block.used];
   std::memcpy(to, &packet, sizeof packet);
@@ -61,7 +62,13 @@ void PacketRing::begin_block(Stamp too_old) {
     next = std::move(blocks_.front());
     blocks_.pop_front();
   }
-  if (next == nullptr || next->is_shared) next = std::make_shared<Block>();
+  is_open_ = false;
+  try {
+    if (next == nullptr || next->is_shared) next = std::make_shared<Block>();
+  } catch (const std::bad_alloc&) {
+    if (!blocks_.empty()) blocks_.pop_front();  // a shorter time is kept
+    return;
+  }
   next->used = 0;
   next->newest = {};
   blocks_.push_back(std::move(next));

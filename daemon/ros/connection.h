@@ -50,7 +50,7 @@ class RosConnection {
   /// Name of the node.
   const std::string& node() const { return node_; }
   /// The state of everything as /diagnostics has it: the newest items that the sink got, then those of the
-  /// connection, of the topics and of the components; `now` as FrameQueue::figures().
+  /// connection, of the topics and of the components; `now` without steps.
   std::vector<DiagnosticItem> diagnostics(Stamp now);
   /// The master answered lately.
   bool has_master() const { return master_present_; }

@@ -24,6 +24,7 @@ constexpr std::size_t most_in_flight = 8;
 /// Messages that roscpp is sending to slow subscribers beside those in its queues.
 constexpr std::size_t most_being_sent = 8;
 constexpr std::size_t least_queue = 10;
+constexpr std::size_t least_depth = 2;
 /// After this long a subscriber that reads nothing counts as stuck, and a replay goes on without it.
 constexpr auto stuck_subscriber = std::chrono::seconds(10);
 constexpr auto between_counts = std::chrono::milliseconds(100);
@@ -38,6 +39,30 @@ class AtOnce final : public ros::CallbackQueueInterface {
   void addCallback(const ros::CallbackInterfacePtr& callback, std::uint64_t) override { callback->call(); }
   void removeByID(std::uint64_t) override {}
 };
+
+template <class Kept, class Content>
+Kept& kept_in(Content& content) {
+  Kept* const kept = std::get_if<Kept>(&content);
+  return kept != nullptr ? *kept : content.template emplace<Kept>();
+}
+
+/// Copies a frame, but swaps the points of a cloud.
+template <class Content>
+void keep(const Payload& payload, Content& content) {
+  const auto keep_one = [&](auto* given) {
+    using Kept = std::remove_const_t<std::remove_pointer_t<decltype(given)>>;
+    Kept& kept = kept_in<Kept>(content);
+    if constexpr (std::is_same_v<Kept, Cloud> || std::is_same_v<Kept, MergedCloud>) {
+      kept.frame_id = given->frame_id;
+      kept.stamp = given->stamp;
+      kept.height = given->height;
+      kept.points_bytes.swap(given->points_bytes);
+    } else {
+      kept = *given;
+    }
+  };
+  std::visit(keep_one, payload);
+}
 
 std::string ms(Span span) { return fmt::format("{:.1f}", 1e3 * seconds(span)); }
 
@@ -61,12 +86,18 @@ DiagnosticItem topic_item(const std::string& topic, const TopicFigures& f) {
 
 }  // namespace
 
-PublisherThread::Output::Output(std::string name, std::unique_ptr<MessageMaker> makes, std::size_t queue_slot,
-                                std::size_t depth)
+/// One more frame than may wait: the thread holds one.
+PublisherThread::Output::Output(std::string name, std::unique_ptr<MessageMaker> makes, std::size_t may_wait)
     : topic(std::move(name)),
       maker(std::move(makes)),
-      slot(queue_slot),
-      queue_size(std::max(least_queue, depth)) {}
+      depth(may_wait),
+      queue_size(std::max(least_queue, may_wait)),
+      frames(may_wait + 1) {
+  for (Frame& frame : frames) {
+    frame.output = this;
+    free.push_back(&frame);
+  }
+}
 
 ros::Publisher make_publisher(const std::string& topic, const MessageType& type, std::size_t queue_size,
                               bool latched, const ros::SubscriberStatusCallback& on_subscriber) {
@@ -123,7 +154,6 @@ PublisherThread::PublisherThread(const RosOptions& options, ThreadWatch& watch, 
       watch_(watch),
       clock_step_(options.clock_step),
       on_diagnostics_(std::move(on_diagnostics)),
-      queue_(options.backpressure),
       tf_(add_output("/tf_static", transforms_maker(), 2)),
       clock_(add_output("/clock", clock_maker(), 2)) {
   tf_.latched = true;
@@ -132,11 +162,11 @@ PublisherThread::PublisherThread(const RosOptions& options, ThreadWatch& watch, 
 
 PublisherThread::Output& PublisherThread::add_output(const std::string& topic,
                                                      std::unique_ptr<MessageMaker> maker, std::size_t depth) {
-  return outputs_.emplace_back(topic, std::move(maker), queue_.add_slot(depth), depth);
+  return outputs_.emplace_back(topic, std::move(maker), block_ ? least_depth : depth);
 }
 
 void PublisherThread::set_topics(Worker worker, const std::vector<OutputTopic>& topics) {
-  const std::lock_guard lock(list_mutex_);
+  const std::lock_guard lock(mutex_);
   for (Output& output : outputs_)
     if (output.worker == worker && &output != &tf_ && &output != &clock_) output.wanted = false;
   auto& outputs = outputs_of_topics_[static_cast<std::size_t>(worker)];
@@ -158,15 +188,70 @@ void PublisherThread::set_topics(Worker worker, const std::vector<OutputTopic>& 
 }
 
 std::vector<PublisherThread::Output*> PublisherThread::outputs() {
-  const std::lock_guard lock(list_mutex_);
+  const std::lock_guard lock(mutex_);
   std::vector<Output*> all;
   for (Output& output : outputs_) all.push_back(&output);
   return all;
 }
 
-PublisherThread::Output& PublisherThread::output_of(const QueuedFrame& frame) {
-  const std::lock_guard lock(list_mutex_);
-  return outputs_[frame.slot];
+/// True if a frame must be dropped to make room.
+bool PublisherThread::must_drop(const Output& output, Stamp released) const {
+  constexpr Span longest_wait = std::chrono::seconds(1);
+  const std::size_t waiting = output.waiting.size();
+  return !block_ && (waiting >= output.depth ||
+                     (waiting >= least_depth && released - output.waiting.front()->released > longest_wait));
+}
+
+void PublisherThread::push(Output& output, const Payload& payload, Stamp released) {
+  std::unique_lock lock(mutex_);
+  if (block_) emptied_.wait(lock, [&] { return stopping_ || output.waiting.size() < output.depth; });
+  if (stopping_) return;
+  while (must_drop(output, released)) {
+    output.free.push_back(output.waiting.front());
+    output.waiting.pop_front();
+    ++output.dropped, ++dropped_;
+  }
+  Frame* const frame = output.free.back();
+  output.free.pop_back();
+  frame->number = ++pushed_;
+  frame->released = released;
+  output.watch.released(released);
+  keep(payload, frame->content);
+  output.waiting.push_back(frame);
+  lock.unlock();
+  filled_.notify_one();
+}
+
+void PublisherThread::skip(const OutputTopic& topic, Stamp released) {
+  ++(ready_ ? published_ : without_ros_);
+  const std::lock_guard lock(mutex_);
+  output_of(topic).watch.released(released);
+}
+
+/// The oldest frame; nullptr if none came for a while, or after stop().
+PublisherThread::Frame* PublisherThread::pop() {
+  std::unique_lock lock(mutex_);
+  Output* oldest = nullptr;
+  filled_.wait_for(lock, between_counts, [&] {
+    for (Output& one : outputs_) {
+      if (one.waiting.empty()) continue;
+      if (oldest == nullptr || one.waiting.front()->number < oldest->waiting.front()->number) oldest = &one;
+    }
+    return stopping_ || oldest != nullptr;
+  });
+  if (stopping_ || oldest == nullptr) return nullptr;
+  Frame* const frame = oldest->waiting.front();
+  oldest->waiting.pop_front();
+  lock.unlock();
+  emptied_.notify_all();
+  return frame;
+}
+
+void PublisherThread::give_back(Frame& frame, bool is_published) {
+  const Span latency = clock_step_->steady(wall_clock()) - frame.released;
+  const std::lock_guard lock(mutex_);
+  if (is_published) frame.output->watch.published(latency);
+  frame.output->free.push_back(&frame);
 }
 
 void PublisherThread::start() {
@@ -174,8 +259,12 @@ void PublisherThread::start() {
 }
 
 void PublisherThread::stop() {
-  stopping_ = true;
-  queue_.stop();
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  filled_.notify_all();
+  emptied_.notify_all();
   if (thread_.joinable()) thread_.join();
 }
 
@@ -196,7 +285,9 @@ void PublisherThread::advertise() {
       replace_publisher(*output, output->make());
     } else if (!output->wanted && output->publisher) {
       replace_publisher(*output, {});
-      queue_.release(output->slot);
+      // The memory of clouds.
+      const std::lock_guard lock(mutex_);
+      for (Frame* const frame : output->free) frame->content = {};
     }
   }
   ready_ = true;
@@ -207,8 +298,11 @@ void PublisherThread::withdraw(bool leave) {
   for (Output* const output : outputs()) replace_publisher(*output, {}, leave);
 }
 
-TopicFigures PublisherThread::figures_of(const Output& output, Stamp now) const {
-  TopicFigures figures = queue_.figures(output.slot, now);
+TopicFigures PublisherThread::figures_of(const Output& output, Stamp now) {
+  std::unique_lock lock(mutex_);
+  TopicFigures figures = output.watch.figures(now);
+  figures.dropped = output.dropped;
+  lock.unlock();
   figures.lost = output.lost;
   figures.loses = output.loses();
   return figures;
@@ -230,10 +324,10 @@ void PublisherThread::add_diagnostics(std::vector<DiagnosticItem>& items, Stamp 
 }
 
 std::size_t PublisherThread::in_flight() {
-  std::size_t sum = queue_.idle() ? 0 : 1;
+  std::size_t sum = 0;
   for (Output* const output : outputs()) {
-    const std::lock_guard lock(send_mutex_);
-    sum += output->in_flight();
+    const std::scoped_lock lock(mutex_, send_mutex_);
+    sum += output->frames.size() - output->free.size() + output->in_flight();
   }
   return sum;
 }
@@ -253,22 +347,22 @@ void PublisherThread::run() {
   auto counted = Clock::now();
   while (!stopping_) {
     watch_.tick(ThreadWatch::publishing);
-    QueuedFrame* const frame = queue_.pop(between_counts);
+    Frame* const frame = pop();
     if (const auto now = Clock::now(); now - counted >= between_counts) {
       count_subscribers();
       counted = now;
     }
     if (frame == nullptr) continue;
-    if (block_) wait_for_subscribers_of(*frame);
-    const bool sent = send(*frame);
-    ++(sent ? published_ : without_ros_);
-    sent ? queue_.published(frame, clock_step_->steady(wall_clock())) : queue_.done(frame);
+    if (block_) wait_for_subscribers_of(*frame->output);
+    const bool is_sent = send(*frame);
+    ++(is_sent ? published_ : without_ros_);
+    give_back(*frame, is_sent);
   }
 }
 
 /// Converts and publishes; false if nothing is advertised.
-bool PublisherThread::send(QueuedFrame& frame) {
-  Output& output = output_of(frame);
+bool PublisherThread::send(Frame& frame) {
+  Output& output = *frame.output;
   const std::lock_guard lock(send_mutex_);
   if (output.latched) output.latest = output.maker->make(frame.payload(), frame.released, *clock_step_);
   if (!ready_ || !ros::ok() || !output.publisher) return false;
@@ -276,8 +370,7 @@ bool PublisherThread::send(QueuedFrame& frame) {
   return true;
 }
 
-void PublisherThread::wait_for_subscribers_of(const QueuedFrame& frame) {
-  Output& output = output_of(frame);
+void PublisherThread::wait_for_subscribers_of(Output& output) {
   const auto keeps_up = [&] {
     watch_.tick(ThreadWatch::publishing);
     const std::lock_guard lock(send_mutex_);
