@@ -17,7 +17,6 @@ namespace {
 /// A longer step is a stall of the program, a jump of the clock or a hole in a capture.
 constexpr double longest_step_s = 1;
 constexpr double judged_after_s = 2;
-constexpr double window_s = 10;
 constexpr std::uint64_t least_looked = 10;
 /// m; a nearer return is a cover or a hand before the window.
 constexpr float too_near = 0.3F;
