@@ -120,14 +120,14 @@ int into_ros(const ReplayOptions& options, const Config& config, MergedCapture& 
   constexpr Span patience = std::chrono::seconds(5);
   if (!session.wait_for_master(patience)) {
     err << why_not_connected(session, ros) << '\n';
-    session.stop();
+    if (!session.stop()) std::quick_exit(exit_failed);
     return exit_failed;
   }
   // roscpp installs signal handlers when it starts, so these are installed after it.
   stop_on_signals();
   wait_for_subscribers(options.wait);
   const auto clock = [&](Stamp now) {
-    if (ros.clock) session.publish_clock(now);
+    if (ros.clock) session.sink().publish_clock(now);
   };
   const bool complete = replay.play(clock, out, err);
   const bool flushed = session.flush(patience);

@@ -64,7 +64,7 @@ class Daemon {
                log_line(good ? LogLevel::info : LogLevel::error, "black box: " + sentence);
              }),
         sensors_(*config_, clock_, box_, ros_.poses(), ros_.sink()),
-        clouds_(*config_, clock_, box_, ros_.poses(), ros_.sink(Worker::clouds), Worker::clouds),
+        clouds_(*config_, clock_, box_, ros_.poses(), ros_.sink(), Worker::clouds),
         signals_(sensors_.io(), SIGINT, SIGTERM),
         requests_(sensors_.io(), SIGHUP, SIGUSR1),
         socket_(sensors_.io(),
@@ -205,12 +205,12 @@ class Daemon {
       return end_reload(error.what());
     }
     config_ = std::move(config);
-    ros_.set_topics(Worker::sensors, output_topics(*config_));
+    ros_.sink().set_topics(Worker::sensors, output_topics(*config_));
     sensors_.configure(*config_);
     sensors_.pipeline().tick(now);
     ros_.sink().transforms(sensors_.pipeline().static_transforms(), now);
     const auto switch_clouds = [this] {
-      ros_.set_topics(Worker::clouds, output_topics(*config_));
+      ros_.sink().set_topics(Worker::clouds, output_topics(*config_));
       clouds_.configure(*config_);
       connect_workers();
     };
@@ -280,7 +280,7 @@ class Daemon {
     DaemonState all{
         ros_.node(), clock_.step()->host(now), now - started_, status(items), history_, std::move(items), {}};
     for (const OutputTopic& topic : output_topics(*config_)) {
-      const TopicFigures figures = ros_.figures(topic, now);
+      const TopicFigures figures = ros_.sink().figures(topic.name, now);
       if (topic.promised || figures.frames > 0) all.topics.emplace_back(topic.name, figures);
     }
     return all;

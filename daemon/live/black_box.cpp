@@ -15,7 +15,6 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <new>
 #include <stdexcept>
 #include <system_error>
 #include <thread>
@@ -83,21 +82,16 @@ void sync_file(const fs::path& path) {
   if (error != 0) throw std::system_error(error, std::generic_category(), path.string());
 }
 
-/// nullptr if the black box is off or the memory cannot be allocated.
-std::shared_ptr<PacketRing> make_ring(const BlackBoxConfig& config) {
-  if (config.seconds <= 0) return nullptr;
-  try {
-    return std::make_shared<PacketRing>(static_cast<std::size_t>(config.megabytes * 1e6));
-  } catch (const std::bad_alloc&) {
-    return nullptr;
-  }
+/// nothing if the black box is off.
+std::optional<PacketRing> make_ring(const BlackBoxConfig& config) {
+  if (config.seconds <= 0) return std::nullopt;
+  return PacketRing(static_cast<std::size_t>(config.megabytes * 1e6));
 }
 
 }  // namespace
 
 struct BlackBox::Writing {
   fs::path path;
-  std::shared_ptr<PacketRing> ring;  // owns the memory of the snapshot
   PacketRing::Snapshot snapshot;
   Stamp since;
   Span step{0};
@@ -108,7 +102,6 @@ struct BlackBox::Writing {
   std::vector<Answer> asked;
   // The result:
   std::string trouble;
-  std::uint64_t lost = 0;
   Stamp first, last;
   std::atomic<bool> done{false};
   std::thread thread;
@@ -138,7 +131,7 @@ struct BlackBox::Writing {
   }
   void write(const fs::path& part) {
     PcapWriter writer(part);
-    lost = PacketRing::read(snapshot, since, [&](const Packet& packet) {
+    PacketRing::read(std::move(snapshot), since, [&](const Packet& packet) {
       if (writer.records() == 0) first = packet.arrival;
       last = packet.arrival;
       const Stamp at = packet.arrival + step;
@@ -163,19 +156,14 @@ void BlackBox::finish() {
 
 void BlackBox::configure(const BlackBoxConfig& config) {
   const bool same = config.megabytes == config_.megabytes && is_on() == (config.seconds > 0);
-  auto ring = same ? ring_ : make_ring(config);
   const std::lock_guard lock(mutex_);
-  ring_ = std::move(ring);
+  if (!same) ring_ = make_ring(config);
   config_ = config;
 }
 
 void BlackBox::add(const Packet& packet) {
   const std::lock_guard lock(mutex_);
   if (ring_) ring_->add(packet, span_from_seconds(config_.seconds) + aftermath);
-}
-
-std::string BlackBox::no_memory() const {
-  return fmt::format("{:g} MB of memory cannot be had; reduce `megabytes` of `blackbox`", config_.megabytes);
 }
 
 void BlackBox::incident(Stamp now, const std::string& kind) {
@@ -210,7 +198,6 @@ bool BlackBox::is_first(const std::set<std::string>& kinds) const {
 /// Starts a capture; returns the reason if that is not possible.
 std::string BlackBox::start(Stamp now, HostStamp host, bool due, const std::function<std::string()>& events) {
   if (!is_on()) return "no black box is kept; set `blackbox: {seconds: 60}` in the configuration";
-  if (!ring_) return no_memory();
   auto writing = std::make_unique<Writing>();
   std::unique_lock lock(mutex_);
   writing->snapshot = ring_->snapshot();
@@ -220,7 +207,6 @@ std::string BlackBox::start(Stamp now, HostStamp host, bool due, const std::func
   writing->path =
       folder_of(config_) / fmt::format("lidard-{:%Y%m%dT%H%M%S}.{:03}Z.pcap",
                                        fmt::gmtime(static_cast<std::time_t>(ms / 1000)), ms % 1000);
-  writing->ring = ring_;
   writing->since = now - span_from_seconds(config_.seconds) - (due ? aftermath : Span(0));
   writing->step = Span(host.ns - now.ns);
   writing->files = static_cast<std::size_t>(config_.files);
@@ -250,8 +236,6 @@ void BlackBox::collect() {
   if (good) {
     sentence = fmt::format("the last {:.1f} s are in {}", seconds(written->last - written->first),
                            written->path.string());
-    if (written->lost > 0)
-      sentence += fmt::format(", without {} packets: the disk is too slow for them", written->lost);
     if (!written->kinds.empty()) firsts_.push_back(written->path);
     kinds_.merge(written->kinds);
   }
@@ -265,7 +249,6 @@ std::optional<DiagnosticItem> BlackBox::item() const {
   item.logged = true;
   item.message = "keeps the newest packets";
   if (!trouble_.empty()) item.set(Health::warn, trouble_);
-  if (!ring_) item.set(Health::warn, "no packets are kept: " + no_memory());
   item.add("Folder", folder_of(config_).string());
   return item;
 }

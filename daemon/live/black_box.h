@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -47,7 +48,6 @@ class BlackBox {
  private:
   struct Writing;
   void collect();
-  std::string no_memory() const;
   bool is_first(const std::set<std::string>& kinds) const;
   std::string start(Stamp now, HostStamp host, bool due, const std::function<std::string()>& events);
 
@@ -56,7 +56,7 @@ class BlackBox {
   BlackBoxConfig config_;  // guarded by mutex_; the owner's thread may read without it
   const std::function<void(bool, const std::string&)> report_;
   std::mutex mutex_;
-  std::shared_ptr<PacketRing> ring_;  // guarded by mutex_ as config_ is
+  std::optional<PacketRing> ring_;  // guarded by mutex_ as config_ is
   std::unique_ptr<Writing> writing_;
   std::vector<Answer> asked_;
   std::set<std::string> incidents_;  // kinds of the pending capture

@@ -39,7 +39,6 @@ std::vector<std::string> Journal::update(const std::vector<DiagnosticItem>& item
 }
 
 void Journal::add(Event event) {
-  if (should_log(event)) log_(event);
   const auto before = std::find_if(events_.rbegin(), events_.rend(),
                                    [&](const Event& known) { return is_again(known, event); });
   if (before != events_.rend()) {
@@ -47,26 +46,14 @@ void Journal::add(Event event) {
     event.first = before->first;
     events_.erase(std::next(before).base());
   }
+  if (event.count < most_logged) log_(event);
+  if (event.count == most_logged)
+    log_({event.at, event.source, event.health,
+          event.text + " (changes to and fro; `lidard events` counts what follows)"});
   events_.push_back(std::move(event));
   if (events_.size() <= most_events) return;
   events_.pop_front();
   ++forgotten_;
-}
-
-bool Journal::should_log(const Event& event) {
-  Known& known = known_[event.source];
-  const auto is_old = [&](HostStamp at) { return event.at - at > one_incident || at > event.at; };
-  known.logged_at.erase(std::remove_if(known.logged_at.begin(), known.logged_at.end(), is_old),
-                        known.logged_at.end());
-  if (known.logged_at.size() < most_logged) {
-    known.flaps = false;
-    known.logged_at.push_back(event.at);
-    return true;
-  }
-  if (!std::exchange(known.flaps, true))
-    log_({event.at, event.source, event.health,
-          event.text + " (changes to and fro; `lidard events` counts what follows)"});
-  return false;
 }
 
 }  // namespace lidard

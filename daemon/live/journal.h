@@ -29,8 +29,8 @@ struct Event {
 /// minutes are counted in one entry.
 class Journal {
  public:
-  /// `log` is called with every event, at most `most_logged` times per source within ten minutes, so that a
-  /// source with alternating states does not flood the log.
+  /// `log` is called with every event, but at most `most_logged` times with one that recurs, so that a source
+  /// with alternating states does not flood the log.
   explicit Journal(std::function<void(const Event&)> log) : log_(std::move(log)) {}
 
   /// Returns the items that became ERROR after they had been ok, as source and text without figures.
@@ -48,11 +48,8 @@ class Journal {
  private:
   struct Known {
     Health health = Health::ok;
-    std::string text;                 // without figures
-    std::deque<HostStamp> logged_at;  // within the last ten minutes
-    bool flaps = false;
+    std::string text;  // without figures
   };
-  bool should_log(const Event& event);
 
   std::function<void(const Event&)> log_;
   std::map<std::string, Known> known_;

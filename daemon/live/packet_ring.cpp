@@ -2,20 +2,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/live/packet_ring.h"
 
+#include <sys/mman.h>
+
 #include <algorithm>
 #include <cstring>
 #include <map>
-#include <set>
+#include <new>
 #include <type_traits>
-
-#include "drivers/flow.h"
+#include <utility>
 
 namespace lidard {
 namespace {
 
 /// Holds the largest datagram and the largest chunk of a TCP connection.
 constexpr std::size_t block_bytes = 128 * 1024UL;
-/// One block is written to while another one is read.
 constexpr std::size_t fewest_blocks = 3;
 /// Packets are sorted within this number of bytes, since the threads that add them have different delays.
 constexpr std::size_t sorted_bytes = 1'000'000;
@@ -24,124 +24,90 @@ static_assert(std::is_trivially_copyable_v<Packet>, "packets are kept as bytes")
 
 }  // namespace
 
-/// Sorts packets by arrival (stable).
-class PacketRing::Reader {
- public:
-  Reader(Stamp since, const std::function<void(const Packet&)>& use) : since_(since), use_(use) {}
+/// Memory of its own, which returns to the system: blocks would leave holes in the heap.
+struct PacketRing::Block {
+  Block()
+      : bytes(static_cast<std::uint8_t*>(
+            mmap(nullptr, block_bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0))) {
+    if (bytes == MAP_FAILED) throw std::bad_alloc();
+  }
+  ~Block() { munmap(bytes, block_bytes); }
+  Block(const Block&) = delete;
+  Block& operator=(const Block&) = delete;
 
-  void read(const Block& block) {
-    for (std::size_t at = 0; at < block.used;) {
-      Packet packet;
-      std::memcpy(&packet, block.bytes + at, sizeof packet);
-      at += sizeof packet;
-      if (packet.arrival >= since_) keep(packet, block.bytes + at);
-      at += packet.payload.size();
-    }
-  }
-  void lose(std::uint64_t packets) {
-    if (!begun_) return;  // before the first packet of the snapshot
-    lost_ += packets;
-    unbroken_.clear();
-  }
-  void hand_on(std::size_t most_bytes) {
-    for (; bytes_ > most_bytes; waiting_.erase(waiting_.begin())) {
-      Kept& kept = waiting_.begin()->second;
-      kept.packet.payload = ByteView(kept.payload.data(), kept.payload.size());
-      use_(kept.packet);
-      bytes_ -= sizeof(Kept) + kept.payload.size();
-    }
-  }
-  std::uint64_t lost() const { return lost_; }
-
- private:
-  struct Kept {
-    Packet packet;
-    std::vector<std::uint8_t> payload;
-  };
-  void keep(Packet packet, const std::uint8_t* payload) {
-    begun_ = true;
-    const bool follows = packet.transport == Transport::udp || !unbroken_.insert(flow_of(packet)).second;
-    if (!follows && lost_ > 0) packet.stream_start = true;
-    bytes_ += sizeof(Kept) + packet.payload.size();
-    waiting_.emplace(packet.arrival, Kept{packet, {payload, payload + packet.payload.size()}});
-  }
-
-  const Stamp since_;
-  const std::function<void(const Packet&)>& use_;
-  std::multimap<Stamp, Kept> waiting_;
-  std::size_t bytes_ = 0;  // in waiting_
-  std::uint64_t lost_ = 0;
-  bool begun_ = false;
-  std::set<Flow> unbroken_;  // connections since the last gap
+  std::uint8_t* const bytes;
+  std::size_t used = 0;
+  Stamp newest;
+  bool is_shared = false;  // a snapshot has it
 };
 
-PacketRing::PacketRing(std::size_t bytes)
-    : blocks_(std::max(fewest_blocks, bytes / (block_bytes + sizeof(Block)))) {
-  memory_.reset(new std::uint8_t[blocks_.size() * block_bytes]);  // not touched yet
-  for (std::size_t i = 0; i < blocks_.size(); ++i) blocks_[i].bytes = &memory_[i * block_bytes];
-}
+PacketRing::PacketRing(std::size_t bytes) : most_blocks_(std::max(fewest_blocks, bytes / block_bytes)) {}
 
 void PacketRing::add(const Packet& packet, Span longest) {
   const std::size_t size = sizeof packet + packet.payload.size();
   if (size > block_bytes) return;  // longer than any chunk of a socket
-  if (current_ != nullptr && current_->used + size > block_bytes) close_block();
-  if (current_ == nullptr) begin_block(packet.arrival - longest);
-  std::uint8_t* const to = current_->bytes + current_->used;
+  if (!is_open_ || blocks_.back()->used + size > block_bytes) begin_block(packet.arrival - longest);
+  if (!is_open_) return;
+  Block& block = *blocks_.back();
+  std::uint8_t* const to = &block.bytes[block.used];
   std::memcpy(to, &packet, sizeof packet);
   if (!packet.payload.empty()) std::memcpy(to + sizeof packet, packet.payload.data(), packet.payload.size());
-  current_->used += size;
-  ++current_->packets;
-  current_->newest = std::max(current_->newest, packet.arrival);
-}
-
-void PacketRing::close_block() {
-  filled_.push_back(current_);
-  current_->busy.clear(std::memory_order_release);
-  current_ = nullptr;
+  block.used += size;
+  block.newest = std::max(block.newest, packet.arrival);
 }
 
 void PacketRing::begin_block(Stamp too_old) {
-  const auto is_taken = [&](Block* block) {
-    const bool wanted = block->newest < too_old || touched_ == blocks_.size();
-    return wanted && !block->busy.test_and_set(std::memory_order_acquire);
-  };
-  const auto found = std::find_if(filled_.begin(), filled_.end(), is_taken);
-  if (found != filled_.end()) {
-    current_ = *found;
-    filled_.erase(found);
-  } else {
-    current_ = &blocks_[touched_++];  // a reader uses one block at a time, so one is free
-    current_->busy.test_and_set(std::memory_order_acquire);
+  std::shared_ptr<Block> next;
+  if (!blocks_.empty() && (blocks_.front()->newest < too_old || blocks_.size() == most_blocks_)) {
+    next = std::move(blocks_.front());
+    blocks_.pop_front();
   }
-  current_->used = current_->packets = 0;
-  current_->newest = Stamp();
-  current_->number = ++number_;
+  is_open_ = false;
+  try {
+    if (next == nullptr || next->is_shared) next = std::make_shared<Block>();
+  } catch (const std::bad_alloc&) {
+    if (!blocks_.empty()) blocks_.pop_front();  // a shorter time is kept
+    return;
+  }
+  next->used = 0;
+  next->newest = {};
+  blocks_.push_back(std::move(next));
+  is_open_ = true;
 }
 
 PacketRing::Snapshot PacketRing::snapshot() {
-  if (current_ != nullptr) close_block();
-  Snapshot all;
-  all.parts_.reserve(filled_.size());
-  for (Block* const block : filled_)
-    all.parts_.push_back({block, block->packets, block->number, block->newest});
-  return all;
+  is_open_ = false;
+  for (const auto& block : blocks_) block->is_shared = true;
+  return {blocks_.begin(), blocks_.end()};
 }
 
-std::uint64_t PacketRing::read(const Snapshot& snapshot, Stamp since,
-                               const std::function<void(const Packet&)>& use) {
-  Reader reader(since, use);
-  for (const auto& part : snapshot.parts_) {
-    if (part.newest < since) continue;
-    const bool free = !part.block->busy.test_and_set(std::memory_order_acquire);
-    if (free && part.block->number == part.number)
-      reader.read(*part.block);
-    else
-      reader.lose(part.packets);
-    if (free) part.block->busy.clear(std::memory_order_release);
-    reader.hand_on(sorted_bytes);
+void PacketRing::read(Snapshot snapshot, Stamp since, const std::function<void(const Packet&)>& use) {
+  std::multimap<Stamp, std::pair<Packet, std::vector<std::uint8_t>>> waiting;
+  std::size_t bytes = 0;  // in waiting
+  const auto hand_on = [&](std::size_t most_bytes) {
+    for (; bytes > most_bytes; waiting.erase(waiting.begin())) {
+      auto& [packet, payload] = waiting.begin()->second;
+      packet.payload = ByteView(payload.data(), payload.size());
+      use(packet);
+      bytes -= sizeof packet + payload.size();
+    }
+  };
+  for (auto& block : snapshot) {
+    for (std::size_t at = 0; at < block->used;) {
+      Packet packet;
+      std::memcpy(&packet, &block->bytes[at], sizeof packet);
+      const std::uint8_t* const payload = block->bytes + at + sizeof packet;
+      const std::size_t size = sizeof packet + packet.payload.size();
+      at += size;
+      if (packet.arrival < since) continue;
+      waiting.emplace(packet.arrival,
+                      std::pair(packet, std::vector(payload, payload + packet.payload.size())));
+      bytes += size;
+    }
+    block.reset();
+    hand_on(sorted_bytes);
   }
-  reader.hand_on(0);
-  return reader.lost();
+  hand_on(0);
 }
 
 }  // namespace lidard

@@ -163,7 +163,6 @@ void SensorLoop::tick(Stamp now) {
   connections_.tick();
   ports_.note_changes();
   host_causes_.watch_addresses();
-  connections_.log_first();
   on_tick(now);
 }
 

@@ -112,14 +112,6 @@ void TcpConnections::tick() {
   }
 }
 
-void TcpConnections::log_first() {
-  for (const auto& connection : connections_) {
-    if (!connection->source) continue;
-    if (!is_connected(connection->source->state()) || std::exchange(connection->announced, true)) continue;
-    log_info("{}: connected to {}", connection->config.name, connection->device.to_string());
-  }
-}
-
 void TcpConnections::add_diagnostics(std::vector<DiagnosticItem>& items) const {
   for (const auto& connection : connections_) {
     if (!connection->source) continue;

@@ -41,8 +41,6 @@ class TcpConnections final : public DeviceConnections {
   void interfaces_changed();
   /// Call it about ten times per second. After the first frame a silent stream is closed sooner than before.
   void tick();
-  /// Logs first connections; changes are in add_diagnostics().
-  void log_first();
   /// One item per connection.
   void add_diagnostics(std::vector<DiagnosticItem>& items) const;
 
@@ -61,7 +59,6 @@ class TcpConnections final : public DeviceConnections {
     Span silence{0};  // longest between two frames
     std::unique_ptr<TcpSource> source;
     std::uint64_t frames_before = 0;  // before this connection
-    bool announced = false;
   };
   void open(Connection& connection, const IpAddress& device);
   void connected(Connection& connection, HostStamp now);

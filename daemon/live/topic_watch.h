@@ -31,7 +31,11 @@ class TopicWatch {
     ++frames_;
     releases_.add(at);
   }
-  void published(Span latency) { latencies_.add(latency); }
+  /// If the host's clock was set and nobody has noticed yet, the frame does not count.
+  void published(Span latency) {
+    constexpr Span longest_way = std::chrono::minutes(1);
+    if (latency >= Span(0) && latency < longest_way) latencies_.add(latency);
+  }
 
   TopicFigures figures(Stamp now) const {
     TopicFigures out;

@@ -105,11 +105,8 @@ void UdpPorts::interfaces_changed() {
 
 void UdpPorts::note_changes() {
   for (auto& port : ports_) {
-    const UdpState& state = port.source->state();
-    if (state.phase != port.known.phase || state.message != port.known.message) {
-      if (state.phase == UdpState::Phase::receiving) log_info("listening on port {}", port.number);
-      port.known = state;
-    }
+    const bool receiving = port.source->state().phase == UdpState::Phase::receiving;
+    if (receiving && !std::exchange(port.announced, true)) log_info("listening on port {}", port.number);
     const std::uint64_t drops = port.source->stats().kernel_drops;
     if (std::exchange(port.known_drops, drops) != drops) port.dropped_at = std::chrono::steady_clock::now();
   }

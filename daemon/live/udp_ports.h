@@ -41,7 +41,7 @@ class UdpPorts {
   struct Port {
     std::uint16_t number = 0;
     std::unique_ptr<UdpSource> source;
-    UdpState known;
+    bool announced = false;
     std::uint64_t known_drops = 0;
     std::chrono::steady_clock::time_point dropped_at{};
   };

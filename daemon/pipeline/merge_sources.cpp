@@ -19,42 +19,21 @@ Stamp comparable(Stamp stamp, Stamp now) {
 
 }  // namespace
 
-bool ReportedState::update(SourceState now, Span passed) {
-  constexpr Span least = std::chrono::seconds(1);
-  passed = std::clamp(passed, Span(0), least);
-  const bool stale = now == SourceState::stale;
-  stale_ = std::clamp(stale_ + (stale ? passed : -passed), Span(0), least);
-  if (stale && state_ == SourceState::lost) stale_ = least;  // it has not been of use meanwhile
-  if (stale || now == SourceState::ok) {
-    const bool still = state_ == SourceState::stale && stale_ > Span(0);
-    now = stale_ == least || still ? SourceState::stale : SourceState::ok;
-  }
-  return std::exchange(state_, now) != now;
-}
-
 MergeSources::MergeSources(Settings settings, const OutputContext& context)
     : settings_(std::move(settings)),
       context_(context),
       poses_(context.poses),
       scheduler_(settings_.names.size(), settings_.schedule),
       times_(settings_.names.size()),
-      reported_(settings_.names.size()),
-      why_unplaced_(settings_.names.size()),
-      taken_(settings_.names.size(), 0) {}
-
-void MergeSources::left_out(std::size_t source) {
-  ++counters.no_pose;
-  why_unplaced_[source] = counters.why_no_pose;
-}
+      reported_(settings_.names.size(), SourceState::never),
+      outputs_without_(settings_.names.size()) {}
 
 void MergeSources::delivered(std::size_t source, const SweepTimes& times, double period, Stamp now,
                              bool is_kept) {
-  why_unplaced_[source].clear();
   // As in Merger::add().
   if (times_[source] && times.first + restart_limit < times_[source]->first)
     times_.assign(times_.size(), std::nullopt);
   times_[source] = is_kept ? std::optional(times) : std::nullopt;
-  taken_[source] = 1;
   scheduler_.delivered(source, comparable(times.last(), now), period, now);
 }
 
@@ -91,15 +70,13 @@ std::optional<MergeMoment> MergeSources::due(Stamp now) {
 MergeMoment MergeSources::moment_of(Stamp now) {
   MergeMoment moment;
   const std::vector<char>& use = scheduler_.usable(now);
-  std::optional<Stamp> first, oldest, newest;
+  std::optional<Stamp> first, newest;
   for (std::size_t s = 0; s < use.size(); ++s) {
     const auto& times = times_[s];
     if (use[s] == 0 || !times) continue;
     first = std::max(first.value_or(times->first), times->first);
-    oldest = std::min(oldest.value_or(times->last()), times->last());
     newest = std::max(newest.value_or(times->last()), times->last());
   }
-  skew_ = newest ? *newest - *oldest : Span(0);
   const PoseTrack* const track = poses_.track();
   moment.at = first.value_or(now);
   if (newest && track != nullptr && !track->empty()) {
@@ -128,15 +105,17 @@ bool MergeSources::has_poses(const MergeMoment& moment, Stamp now) {
   return true;
 }
 
-void MergeSources::published(const MergeReport& report, Stamp at, Stamp now) {
+void MergeSources::published(const MergeReport& report, Stamp now) {
   skipped(now);
   uses_ = report.sources;
   const bool stands = std::count(uses_.begin(), uses_.end(), SourceUse::static_poses) > 0;
   gate_.published(poses_.track() == nullptr || !stands);
-  latency_ = now - at;
 }
 
 void MergeSources::skipped(Stamp now) {
+  const std::vector<char>& use = scheduler_.usable(now);
+  for (std::size_t s = 0; s < use.size(); ++s)
+    outputs_without_[s] = use[s] != 0 ? 0 : outputs_without_[s] + 1;
   scheduler_.done(now);
   ++counters.published;
   counters.last_published = now;
@@ -146,7 +125,6 @@ void MergeSources::forget() {
   times_.assign(times_.size(), std::nullopt);
   due_since_.reset();
   uses_.clear();
-  latency_ = skew_ = Span(0);
 }
 
 void MergeSources::restart() {
@@ -163,32 +141,29 @@ std::optional<Stamp> MergeSources::next_event() const {
   return event ? std::min(*event, given_up) : given_up;
 }
 
-bool MergeSources::states_changed(Stamp now) {
-  const Span passed = now - std::exchange(looked_at_, now);
-  bool changed = false;
-  for (std::size_t s = 0; s < reported_.size(); ++s)
-    changed = reported_[s].update(scheduler_.state(s, now), passed) || changed;
-  return changed;
+/// A busy computer makes sweeps stale now and then for milliseconds: a source counts as stale after ten
+/// outputs without it.
+SourceState MergeSources::reported_state(std::size_t source, Stamp now) const {
+  constexpr unsigned many_outputs = 10;
+  const SourceState state = scheduler_.state(source, now);
+  if (state == SourceState::never || state == SourceState::lost) return state;
+  return outputs_without_[source] < many_outputs ? SourceState::ok : SourceState::stale;
 }
 
-std::string MergeSources::why_missing(const WhySilent& why_silent) const {
-  std::string missing;
-  for (std::size_t s = 0; s < taken_.size(); ++s) {
-    if (taken_[s] != 0) continue;
-    const std::string& name = settings_.names[s];
-    const std::string why = why_unplaced_[s].empty()
-                                ? "source " + name + " gave no " + settings_.frames + why_silent(name)
-                                : "no pose for source " + name + ": " + why_unplaced_[s];
-    missing += (missing.empty() ? "" : "; ") + why;
+bool MergeSources::states_changed(Stamp now) {
+  bool changed = false;
+  for (std::size_t s = 0; s < reported_.size(); ++s) {
+    const SourceState state = reported_state(s, now);
+    changed = std::exchange(reported_[s], state) != state || changed;
   }
-  if (counters.published > 0 || !missing.empty()) return missing;
-  if (!gate_.trouble().empty()) return gate_.trouble();
-  return std::string("no output was due with policy ") + to_string(settings_.schedule.policy);
+  return changed;
 }
 
 void MergeSources::describe(DiagnosticItem& item, Stamp now, bool starting) const {
   describe_states(item, now, starting);
   describe_motion(item);
+  item.add("Sources waited for in vain", scheduler_.deadlines_missed());
+  if (counters.published == 0 && !gate_.trouble().empty()) item.message = "no output: " + gate_.trouble();
 }
 
 void MergeSources::describe_states(DiagnosticItem& item, Stamp now, bool starting) const {
@@ -203,7 +178,7 @@ void MergeSources::describe_states(DiagnosticItem& item, Stamp now, bool startin
     if (state != SourceState::never)
       text += fmt::format(", {:.1f} Hz, age {:.0f} ms", period > 0 ? 1 / period : 0, age_ms);
     item.add("Source " + name, text);
-    const SourceState seen = reported_[s].state();
+    const SourceState seen = reported_[s];
     std::string& list = seen == SourceState::stale ? silent : lost;
     if (seen != SourceState::ok) list += (list.empty() ? "" : ", ") + name;
     delivers = delivers || seen == SourceState::ok;
@@ -226,14 +201,6 @@ void MergeSources::describe_motion(DiagnosticItem& item) const {
                      : has(SourceUse::extrapolated) ? "deskewed, partly beyond the newest pose"
                                                     : "deskewed");
   gate_.describe(item);
-}
-
-void MergeSources::describe_timing(DiagnosticItem& item, Stamp now) const {
-  const bool same_clock = comparable(now - latency_, now) != now || latency_ == Span(0);
-  item.add("Latency (ms)",
-           same_clock ? fmt::format("{:.1f}", seconds(latency_) * 1000) : "stamps are of another clock");
-  item.add("Skew of the sources (ms)", fmt::format("{:.1f}", seconds(skew_) * 1000));
-  item.add("Sources waited for in vain", scheduler_.deadlines_missed());
 }
 
 }  // namespace lidard

@@ -13,27 +13,12 @@
 
 namespace lidard {
 
-/// The state of a source of a merged output as people see it. A busy computer makes sweeps stale now and
-/// then for milliseconds: `stale` begins when that has been so for a second longer than not, and ends
-/// likewise.
-class ReportedState {
- public:
-  SourceState state() const { return state_; }
-  /// What it is now, and for how long it was looked at. True if another state is to be reported.
-  bool update(SourceState now, Span passed);
-
- private:
-  SourceState state_ = SourceState::never;
-  Span stale_{0};
-};
-
 /// The sources of an output that merges: whether they deliver, when the output is due and which instant it
 /// shows, and what is reported of them.
 class MergeSources {
  public:
   struct Settings {
     std::vector<std::string> names;
-    const char* frames;  ///< what they give: "scans"
     ScheduleSettings schedule;
     MissingMotion on_missing_motion;
     std::string destination_frame;
@@ -41,8 +26,6 @@ class MergeSources {
   /// `context` must outlive this.
   MergeSources(Settings settings, const OutputContext& context);
 
-  /// Counts a frame that is not used, since its place (counters.why_no_pose) is not known.
-  void left_out(std::size_t source);
   /// A frame with a place came in; `is_kept`: and will be used.
   void delivered(std::size_t source, const SweepTimes& times, double period, Stamp now, bool is_kept = true);
   /// The instant of an output that is to be made now.
@@ -50,7 +33,7 @@ class MergeSources {
   /// Which sources are to be used in it, [source].
   const std::vector<char>& usable(Stamp now) { return scheduler_.usable(now); }
   /// The output was made; it was not, since nobody wants it; or since its place is not known.
-  void published(const MergeReport& report, Stamp at, Stamp now);
+  void published(const MergeReport& report, Stamp now);
   void skipped(Stamp now);
   void not_published(Stamp now) { scheduler_.done(now); }
   /// The frames are no longer there: nothing is due until all sources that are well have delivered again.
@@ -62,15 +45,14 @@ class MergeSources {
   bool states_changed(Stamp now);
   /// What became of the sources in the last output.
   const std::vector<SourceUse>& uses() const { return uses_; }
-  std::string why_missing(const WhySilent& why_silent) const;
   /// Adds the states of the sources, and motion.
   void describe(DiagnosticItem& item, Stamp now, bool starting) const;
-  void describe_timing(DiagnosticItem& item, Stamp now) const;
 
   OutputCounters counters;
 
  private:
   bool lacks_frames(Stamp now) const;
+  SourceState reported_state(std::size_t source, Stamp now) const;
   MergeMoment moment_of(Stamp now);
   bool has_poses(const MergeMoment& moment, Stamp now);
   void describe_states(DiagnosticItem& item, Stamp now, bool starting) const;
@@ -81,16 +63,12 @@ class MergeSources {
   const FrameTree& poses_;
   Scheduler scheduler_;
   std::vector<std::optional<SweepTimes>> times_;  // of the newest frame of each source
-  std::vector<ReportedState> reported_;
-  Stamp looked_at_{};
-  std::vector<std::string> why_unplaced_;  // why the newest frame of a source had no place; empty: it had one
-  std::vector<char> taken_;                // sources of which a frame was ever used
+  std::vector<SourceState> reported_;
+  std::vector<unsigned> outputs_without_;  // since the last one with the source
   std::vector<SourceUse> uses_;
   SteadyStamps stamps_;
   PoseGate gate_;
   std::optional<Stamp> due_since_;  // an output that waits for poses
-  Span latency_{};                  // of the last output: from its instant to its publication
-  Span skew_{};                     // between the last rays of the frames that it was made of
 };
 
 }  // namespace lidard

@@ -19,9 +19,8 @@ class MergedCloudOutput final : public Output {
         context_(context),
         topic_(context.outlet.topic(config.destination_topic)),
         merger_(config.sources.size(), config.organized),
-        sources_(
-            {config.sources, "frames", config.schedule, config.on_missing_motion, config.destination_frame},
-            context) {
+        sources_({config.sources, config.schedule, config.on_missing_motion, config.destination_frame},
+                 context) {
     merged_.frame_id = config.destination_frame;
   }
 
@@ -51,16 +50,12 @@ class MergedCloudOutput final : public Output {
     sources_.restart();
   }
   bool publishes(const std::string& topic) const override { return topic == topic_.name; }
-  std::string why_missing(const std::string&, const WhySilent& why_silent) const override {
-    return sources_.why_missing(why_silent);
-  }
   DiagnosticItem diagnostics(Stamp now, bool starting) const override {
     DiagnosticItem item = health_of("merged cloud " + config_.name, sources_.counters, now, starting);
     sources_.describe(item, now, starting);
     if (item.health == Health::ok && sources_.counters.published > 0 && !is_wanted())
       item.message = "not built: nobody subscribes to " + topic_.name + ", and no virtual scan is made of it";
     item.add("Returns", merged_size_);
-    sources_.describe_timing(item, now);
     item.add("Clouds replaced before use", merger_.superseded());
     item.add("Clouds out of order", merger_.out_of_order());
     return item;
@@ -85,8 +80,10 @@ class MergedCloudOutput final : public Output {
     note_wanted();
     Pose pose;
     if (!context_.poses.find(context_.vehicle.base_frame, frame.frame_id, frame.stamp, pose,
-                             sources_.counters.why_no_pose))
-      return sources_.left_out(source);
+                             sources_.counters.why_no_pose)) {
+      ++sources_.counters.no_pose;
+      return;
+    }
     if (!merger_.add(source, frame, pose, wanted_)) return;
     sources_.delivered(source, times, period, now);
     advance(now);
@@ -103,7 +100,7 @@ class MergedCloudOutput final : public Output {
       ++sources_.counters.no_pose;
       return sources_.not_published(now);
     }
-    sources_.published(merger_.merge(moment, sources_.usable(now), merged_), moment.at, now);
+    sources_.published(merger_.merge(moment, sources_.usable(now), merged_), now);
     merged_size_ = merged_.size();
     context_.outlet.publish(topic_, merged_, now);
     context_.outlet.feed(topic_, merger_.placed(), moment.at, now);

@@ -50,9 +50,9 @@ class MergedOutput final : public Output {
         context_(context),
         poses_(context.poses),
         footprint_(context.vehicle.footprint),
-        sources_({config.laserscan_topics, "scans", config.schedule, config.on_missing_motion,
-                  config.destination_frame},
-                 context),
+        sources_(
+            {config.laserscan_topics, config.schedule, config.on_missing_motion, config.destination_frame},
+            context),
         mount_check_(config.laserscan_topics.size()),
         compared_(config.laserscan_topics.size(), nullptr),
         places_(config.laserscan_topics.size(), Eigen::Vector2d::Zero()) {
@@ -74,8 +74,10 @@ class MergedOutput final : public Output {
   void add_scan(std::size_t source, const PlanarScan& scan, Stamp now) override {
     Pose pose;
     if (!place_footprint(scan.stamp) || !poses_.find(config_.destination_frame, scan.frame_id, scan.stamp,
-                                                     pose, sources_.counters.why_no_pose))
-      return sources_.left_out(source);
+                                                     pose, sources_.counters.why_no_pose)) {
+      ++sources_.counters.no_pose;
+      return;
+    }
     if (!merger_->add(source, scan, pose)) return;
     sources_.delivered(source, *merger_->times(source), static_cast<double>(scan.scan_time), now);
     advance(now);
@@ -101,15 +103,10 @@ class MergedOutput final : public Output {
     return has(cloud_topic_) || has(status_topic_) ||
            std::any_of(scan_topics_.begin(), scan_topics_.end(), has);
   }
-  std::string why_missing(const std::string&, const WhySilent& why_silent) const override {
-    return sources_.why_missing(why_silent);
-  }
   DiagnosticItem diagnostics(Stamp now, bool starting) const override {
     DiagnosticItem item = health_of("merged " + config_.name, sources_.counters, now, starting);
     sources_.describe(item, now, starting);
-    describe_beams(item);
     describe_mounts(item);
-    sources_.describe_timing(item, now);
     item.add("Sweeps replaced before use", merger_->superseded());
     item.add("Sweeps out of order", merger_->out_of_order());
     item.add("Sweeps with impossible times", merger_->bad_times());
@@ -143,7 +140,7 @@ class MergedOutput final : public Output {
   void publish(const MergeMoment& moment, Stamp now) {
     const MergeReport& report =
         merger_->merge(moment, sources_.usable(now), merged_, cloud_topic_ != nullptr ? &cloud_ : nullptr);
-    sources_.published(report, moment.at, now);
+    sources_.published(report, now);
     compare_sources(moment.at);
     for (std::size_t i = 0; i < scans_.size(); ++i) context_.outlet.publish(*scan_topics_[i], scans_[i], now);
     if (cloud_topic_ != nullptr) context_.outlet.publish(*cloud_topic_, cloud_, now);
@@ -175,17 +172,6 @@ class MergedOutput final : public Output {
     mount_check_.update(
         stamp, compared_, places_,
         poses_.track() != nullptr && std::none_of(sources_.uses().begin(), sources_.uses().end(), moved));
-  }
-  void describe_beams(DiagnosticItem& item) const {
-    const PlanarScan& scan = scans_[0];
-    if (scan.beams == 0) return;
-    const auto share = [&](BeamStatus status) {
-      const auto n = std::count(scan.statuses.begin(), scan.statuses.end(), status);
-      return fmt::format("{:.1f} %", 100.0 * static_cast<double>(n) / static_cast<double>(scan.beams));
-    };
-    item.add("Beams with a hit", share(BeamStatus::hit));
-    item.add("Beams free", share(BeamStatus::none));
-    item.add("Beams unobserved", share(BeamStatus::invalid));
   }
   void describe_mounts(DiagnosticItem& item) const {
     const auto wrong = mount_check_.wrong_source();

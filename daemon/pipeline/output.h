@@ -54,7 +54,9 @@ class Outlet {
   void skip(const OutputTopic& topic, Stamp now);
   /// True if an output is made of this source whose frames are wanted.
   bool feeds(std::size_t source) const;
-  void publish(const std::vector<DiagnosticItem>& items, Stamp now) { sink_.diagnostics(items, now); }
+  void publish(const std::vector<DiagnosticItem>& items, Stamp now, Worker worker) {
+    sink_.diagnostics(items, now, worker);
+  }
   /// To the outputs that are made of this source.
   void feed(std::size_t source, const PlanarScan& scan, Stamp now);
   void feed(std::size_t source, const Cloud& cloud, Stamp now);
@@ -91,9 +93,6 @@ struct OutputContext {
   Outlet& outlet;
 };
 
-/// Says why a sensor gave no frames, " (…)"; empty: it gave some, or it is no sensor.
-using WhySilent = std::function<std::string(const std::string& source)>;
-
 /// Something made of the frames of sources: an entry of merged_scans:, merged_clouds: or virtual_scans:.
 class Output {
  public:
@@ -126,8 +125,6 @@ class Output {
   virtual void restart() {}
 
   virtual bool publishes(const std::string& topic) const = 0;
-  /// Why nothing was published on `topic`; or, if something was, what was missing in it; empty: nothing.
-  virtual std::string why_missing(const std::string& topic, const WhySilent& why_silent) const = 0;
   virtual DiagnosticItem diagnostics(Stamp now, bool starting) const = 0;
 };
 

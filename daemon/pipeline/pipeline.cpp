@@ -256,23 +256,20 @@ std::vector<OutputReport> Pipeline::output_report() const {
   return reports;
 }
 
-std::string Pipeline::why_silent(const std::string& source) const {
-  for (const auto& sensor : sensors_) {
-    if (sensor->config().name != source) continue;
-    const std::string why = sensor->why_no_frames(unknown_senders_);
-    return why.empty() ? why : " (" + why + ")";
-  }
-  return {};
-}
-
 std::string Pipeline::why_missing(const std::string& topic) const {
+  const Stamp now = sensor_context_.now;
   for (const auto& output : outputs_) {
-    if (output->publishes(topic))
-      return output->why_missing(topic, [this](const std::string& source) { return why_silent(source); });
+    if (!output->publishes(topic)) continue;
+    const DiagnosticItem item = output->diagnostics(now, false);
+    return item.health == Health::ok ? "" : item.message;
   }
   for (const auto& sensor : sensors_) {
     for (const OutputTopic& own : sensor_topics(sensor->config())) {
-      if (own.name == topic) return sensor->why_no_frames(unknown_senders_);
+      if (own.name != topic) continue;
+      const SensorReport report = sensor->report();
+      if (report.counters.frames == 0)
+        return sensor_health(sensor->config(), report, unknown_senders_, now).message;
+      return report.gate && report.gate->has_left_out() ? report.gate->trouble() : "";
     }
   }
   return {};
@@ -300,7 +297,7 @@ std::vector<DiagnosticItem> Pipeline::diagnostics(Stamp now) const {
 void Pipeline::publish_diagnostics(Stamp now) {
   diagnostics_wanted_ = false;
   last_diagnostics_ = now;
-  outlet_.publish(diagnostics(now), now);
+  outlet_.publish(diagnostics(now), now, worker_);
 }
 
 void Pipeline::add_diagnostics(std::function<void(std::vector<DiagnosticItem>&)> source) {

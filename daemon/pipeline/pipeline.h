@@ -117,8 +117,7 @@ class Pipeline final : public MessageReceiver {
   std::vector<SensorReport> report() const;
   /// What came out so far, one for each of output_topics(), with what was missing in it as its remark.
   std::vector<OutputReport> output_report() const;
-  /// Why nothing came on one of output_topics() so far, or what was missing in all that came; empty:
-  /// nothing is missing.
+  /// What /diagnostics says of one of output_topics() on which nothing came, or not all; empty: all came.
   std::string why_missing(const std::string& topic) const;
   /// Senders on a configured port that no sensor claims, "192.168.1.9:2368 (412 packets)".
   std::vector<std::string> unclaimed_senders() const { return unknown_senders_.names(); }
@@ -139,7 +138,6 @@ class Pipeline final : public MessageReceiver {
   void add_output(const Entry& entry, List<Output>& before);
   void advance_to(Stamp at);
   void publish_diagnostics(Stamp now);
-  std::string why_silent(const std::string& source) const;
 
   const Worker worker_;
   VehicleConfig vehicle_;

@@ -17,16 +17,13 @@ namespace {
 /// A longer step is a stall of the program, a jump of the clock or a hole in a capture.
 constexpr double longest_step_s = 1;
 constexpr double judged_after_s = 2;
-constexpr double window_s = 10;
 constexpr std::uint64_t least_looked = 10;
 /// m; a nearer return is a cover or a hand before the window.
 constexpr float too_near = 0.3F;
-/// No product turns slower than a third of its usual rate (Velodyne: 300 of 600 rpm).
-constexpr double slowest = 3;
+/// No product sends frames more seldom: it turns at a third of its usual rate, or sends every tenth scan.
+constexpr double slowest = 10;
 /// No product turns eight times as fast (an LMS511 turns four times as fast).
 constexpr double fastest = 1.0 / 8;
-/// A longer period means that the scanner skips scans.
-constexpr double left_out = 1.5;
 
 std::uint64_t less(std::uint64_t now, std::uint64_t before) { return now > before ? now - before : 0; }
 
@@ -150,13 +147,15 @@ ReceptionVerdict judge(const Reception& r, FrameKind kind) {
   return findings.verdict();
 }
 
-std::string rivals_text(const std::vector<std::string>& senders, std::uint16_t port) {
-  std::string names;
-  for (std::size_t i = 0; i < senders.size(); ++i)
-    names += (i == 0 ? "" : i + 1 < senders.size() ? ", " : " and ") + senders[i];
-  return names + (senders.size() == 2 ? " both send to port " : " all send to port ") + std::to_string(port) +
-         "; one entry takes one sensor: set ip_address: " + senders.front() +
-         " here, and give each other sensor an entry of its own";
+std::string rivals_text(const Reception& r, std::uint16_t port) {
+  constexpr std::uint64_t astray = 20;
+  if (r.sender_changes < astray || r.sender_changes * 100 < r.counters.packets) return {};
+  const auto& [first, second] = std::minmax(r.senders[0], r.senders[1]);
+  return fmt::format(
+      "{0} and {1} both send to port {2}; one entry takes one sensor: set ip_address: {0} here, and give "
+      "each "
+      "other sensor an entry of its own",
+      first.to_string(), second.to_string(), port);
 }
 
 ReceptionWatch::ReceptionWatch(double promised_s) : promised_s_(promised_s) { total_.period_s = promised_s; }
@@ -171,7 +170,7 @@ void ReceptionWatch::scan(const PlanarScan& scan) {
     total_.blind += blind ? 1U : 0U;
     total_.returns += status == BeamStatus::hit && !near ? 1U : 0U;
   }
-  learn(scan.stamp, static_cast<double>(scan.scan_time));
+  learn(scan.stamp);
 }
 
 void ReceptionWatch::cloud(const Cloud& cloud) {
@@ -189,13 +188,15 @@ void ReceptionWatch::cloud(const Cloud& cloud) {
   total_.beams += cloud.columns.size() * cloud.rings;
   total_.returns += size - blind;
   total_.blind += blind;
-  learn(cloud.stamp, 0);
+  learn(cloud.stamp);
 }
 
-void ReceptionWatch::learn(Stamp stamp, double declared_s) {
+void ReceptionWatch::learn(Stamp stamp) {
   distances_[distance_count_++ % distances] = seconds(stamp - last_stamp_);
   last_stamp_ = stamp;
-  period_s_ = period(declared_s);
+  const double learned = median_distance();
+  // Stamps of frames that arrive in a burst are not usable.
+  period_s_ = learned < fastest * promised_s_ ? 0 : std::min(learned, slowest * promised_s_);
 }
 
 /// 0 while too few distances are known. The first one is invalid.
@@ -209,39 +210,10 @@ double ReceptionWatch::median_distance() const {
   return std::max(0.0, *middle);
 }
 
-double ReceptionWatch::period(double declared_s) const {
-  if (promised_s_ <= 0) return promised_s_;
-  const double learned = median_distance();
-  // Stamps of scans that arrive in a burst are not usable.
-  if (learned < fastest * promised_s_) return 0;
-  if (declared_s <= 0) return std::min(learned, slowest * promised_s_);
-  const bool seldom = learned > left_out * declared_s && recent().lost() == 0;
-  return seldom ? learned : std::max(declared_s, fastest * promised_s_);
-}
-
 void ReceptionWatch::sender(const IpAddress& address) {
-  for (Sender& one : senders_) {
-    if (one.now + one.before == 0) one.address = address;
-    if (one.address == address) {
-      ++one.now;
-      return;
-    }
-  }
-}
-
-/// Call once per second. Senders that sent in both of the last two seconds send at the same time, unlike a
-/// sensor with a changed address. A sender of less than 1 % of the packets is ignored.
-void ReceptionWatch::compare_senders() {
-  rivals_.clear();
-  std::uint64_t all = 0;
-  for (const Sender& one : senders_) all += one.now + one.before;
-  for (Sender& one : senders_) {
-    if (one.now > 0 && one.before > 0 && (one.now + one.before) * 100 >= all)
-      rivals_.push_back(one.address.to_string());
-    one.before = std::exchange(one.now, 0);
-  }
-  if (rivals_.size() < 2) rivals_.clear();
-  if (!rivals_.empty()) rivals_ever_ = rivals_;
+  if (address == total_.senders[0]) return;
+  total_.senders[1] = std::exchange(total_.senders[0], address);
+  ++total_.sender_changes;
 }
 
 void ReceptionWatch::add_time(double passed_s, bool packets_came, std::uint64_t frames) {
@@ -274,7 +246,6 @@ void ReceptionWatch::advance(Stamp now, const Counters& counters) {
   if (!begun_ || settles_s_ > 0) restart();
   begun_ = true;
   if (total_.watched_s - marks_[(mark_count_ - 1) % marks].watched_s < 1) return;
-  compare_senders();
   mark();
 }
 
@@ -297,6 +268,7 @@ Reception ReceptionWatch::since(const Reception& begin) const {
   r.beams -= begin.beams;
   r.returns -= begin.returns;
   r.blind -= begin.blind;
+  r.sender_changes -= begin.sender_changes;
   return r;
 }
 

@@ -21,17 +21,19 @@ namespace lidard {
 
 /// Received and expected data of a sensor within a time.
 struct Reception {
-  Counters counters;                ///< within the time
-  double watched_s = 0;             ///< s since the first packet, at most the window
-  double frames_s = 0;              ///< s of the time with a known rate of frames
-  double frames = 0;                ///< frames within frames_s
-  double expected = 0;              ///< expected frames within frames_s
-  double without_frame_s = 0;       ///< s since the last frame, or since the first packet
-  double period_s = 0;              ///< s between two frames, of the model or learned; 0: unknown
-  std::uint64_t frames_looked = 0;  ///< frames of which beams are counted
-  std::uint64_t beams = 0;          ///< beams, or shots of a multi-plane lidar
-  std::uint64_t returns = 0;        ///< those with a return
-  std::uint64_t blind = 0;          ///< those with a too near or invalid return
+  Counters counters;                      ///< within the time
+  double watched_s = 0;                   ///< s since the first packet, at most the window
+  double frames_s = 0;                    ///< s of the time with a known rate of frames
+  double frames = 0;                      ///< frames within frames_s
+  double expected = 0;                    ///< expected frames within frames_s
+  double without_frame_s = 0;             ///< s since the last frame, or since the first packet
+  double period_s = 0;                    ///< s between two frames, of the model or learned; 0: unknown
+  std::uint64_t frames_looked = 0;        ///< frames of which beams are counted
+  std::uint64_t beams = 0;                ///< beams, or shots of a multi-plane lidar
+  std::uint64_t returns = 0;              ///< those with a return
+  std::uint64_t blind = 0;                ///< those with a too near or invalid return
+  std::uint64_t sender_changes = 0;       ///< packets of another sender than the packet before
+  std::array<IpAddress, 2> senders = {};  ///< the newest two
 
   std::uint64_t lost() const { return counters.lost_packets; }
 };
@@ -69,8 +71,9 @@ struct ReceptionVerdict {
 /// the limits for losses. Checks begin after 2 s, those of beams after 10 frames.
 ReceptionVerdict judge(const Reception& reception, FrameKind kind);
 
-/// The message for several senders to one entry.
-std::string rivals_text(const std::vector<std::string>& senders, std::uint16_t port);
+/// The message if several sensors send to one entry; empty: one does. Senders that alternate send at the same
+/// time, unlike a sensor with a changed address; less than 1 % of the packets, or 20, are packets astray.
+std::string rivals_text(const Reception& reception, std::uint16_t port);
 
 /// Measures the reception of one sensor over the last 10 s and since the start. advance() gives the time;
 /// jumps of the clock (backwards, or more than 1 s) do not count.
@@ -79,8 +82,7 @@ class ReceptionWatch {
   /// `promised_s`: usual time between two frames by the model and its settings, s; 0: unknown.
   explicit ReceptionWatch(double promised_s);
 
-  /// Adds frames, for their beams and for the rate: a scanner's scan_time, or the median of the stamps'
-  /// distances. A device may send more seldom than its scan_time by its settings.
+  /// Adds frames, for their beams and for the rate: the median of the stamps' distances.
   void scan(const PlanarScan& scan);
   void cloud(const Cloud& cloud);
   /// Adds the sender of a data packet, for entries that accept any sender.
@@ -94,23 +96,13 @@ class ReceptionWatch {
   Reception whole() const;
   /// Usual time between two frames, s; 0: unknown.
   double period_s() const { return total_.period_s; }
-  /// The senders to this entry, if there are several: in the last two seconds, or at any time.
-  const std::vector<std::string>& rivals() const { return rivals_; }
-  const std::vector<std::string>& rivals_ever() const { return rivals_ever_; }
 
  private:
   static constexpr std::size_t marks = 11;  // a window of 10 s
   static constexpr std::size_t distances = 8;
-  static constexpr std::size_t most_senders = 4;
-  struct Sender {
-    IpAddress address;
-    std::uint64_t now = 0, before = 0;  // packets in this second and in the last one
-  };
-  void learn(Stamp stamp, double declared_s);
+  void learn(Stamp stamp);
   double median_distance() const;
-  double period(double declared_s) const;
   void add_time(double passed_s, bool packets_came, std::uint64_t frames);
-  void compare_senders();
   void mark();
   Reception since(const Reception& begin) const;
 
@@ -126,8 +118,6 @@ class ReceptionWatch {
   Reception total_;
   std::array<Reception, marks> marks_{};  // total_ at the last seconds, in a ring
   std::size_t mark_count_ = 0;
-  std::array<Sender, most_senders> senders_{};
-  std::vector<std::string> rivals_, rivals_ever_;
 };
 
 }  // namespace lidard

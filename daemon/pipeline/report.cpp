@@ -131,7 +131,8 @@ void print_verdicts(const Config& config, const std::vector<SensorReport>& senso
     const auto print = [&](Health health, const std::string& text) {
       out << "  " << (health == Health::error ? "ERROR " : "WARN ") << s.name << ": " << text << '\n';
     };
-    if (!s.rivals_ever.empty()) print(Health::error, rivals_text(s.rivals_ever, sensor->ip_port));
+    if (const std::string rivals = rivals_text(s.whole, sensor->ip_port); !rivals.empty())
+      print(Health::error, rivals);
     if (s.filter) out << "  " << s.name << ": " << filter_text(*s.filter) << '\n';
     if (!s.filter_trouble.empty()) print(Health::warn, s.filter_trouble);
     if (const auto losses = s.gate ? s.gate->losses() : std::string(); !losses.empty())

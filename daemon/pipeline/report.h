@@ -37,7 +37,6 @@ struct SensorReport {
   std::string other_model;   ///< the model of packets of another model; empty: unknown
   bool starting = false;     ///< the first second after the start: silence is no fault yet
   Reception recent, whole;   ///< of the last 10 s, and since the start
-  std::vector<std::string> rivals, rivals_ever;  ///< several senders to one entry, now and at any time
 };
 
 /// The output on one topic or to one file.

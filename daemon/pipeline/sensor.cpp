@@ -209,7 +209,6 @@ void Sensor::receive(Cloud& cloud, Stamp received) {
 }
 
 void Sensor::notice_data(Stamp received) {
-  if (!seen_) first_arrival_ = received;
   seen_ = true;
   last_arrival_ = received;
 }
@@ -273,8 +272,6 @@ SensorReport Sensor::report() const {
   report.other_model = other_model_.sentence();
   report.recent = watch_.recent();
   report.whole = watch_.whole();
-  report.rivals = watch_.rivals();
-  report.rivals_ever = watch_.rivals_ever();
   return report;
 }
 
@@ -283,21 +280,6 @@ std::optional<DiagnosticItem> Sensor::settings(Stamp now) const {
   const auto status = driver_->settings(now);
   if (!status) return std::nullopt;
   return settings_item(config_, *status);
-}
-
-std::string Sensor::why_no_frames(const UnknownSenders& unknown) const {
-  if (counters().frames > 0) {
-    const bool withheld = placer_ && placer_->gate().has_left_out();
-    return withheld ? placer_->gate().trouble() : std::string();
-  }
-  if (driver_ == nullptr)
-    return seen_ ? "no message of " + config_.topic + " could be used"
-                 : "no message came on " + config_.topic + ", which another node publishes";
-  if (seen_) return why_no_frame(*config_.model, counters(), last_arrival_ - first_arrival_);
-  std::string text = "nothing came from " + where_from(config_);
-  if (const std::string sender = unknown.sender_to(config_.ip_port); !sender.empty())
-    text += ", but packets from " + sender + ": correct ip_address?";
-  return text;
 }
 
 void Sensor::fill_empty(PlanarScan& scan) const {

@@ -96,8 +96,6 @@ class Sensor final : public DriverOutput {
   SensorReport report() const;
   /// The device's settings compared with the wanted ones; none: the driver does not read them.
   std::optional<DiagnosticItem> settings(Stamp now) const;
-  /// Why there are no frames, or why they are not published; empty: nothing is missing.
-  std::string why_no_frames(const UnknownSenders& unknown) const;
 
   void scan(PlanarScan& scan) override;
   void cloud(Cloud& cloud) override;
@@ -157,7 +155,6 @@ class Sensor final : public DriverOutput {
   ConnectionRequest request_ = ConnectionRequest::none;
   IpAddress sender_;   // of the last datagram
   bool seen_ = false;  // data was received (not telemetry)
-  Stamp first_arrival_{};
   Stamp last_arrival_{};
   Stamp last_telemetry_{};
   Health silence_ = Health::ok;

@@ -81,8 +81,8 @@ void judge_data(const SensorConfig& config, const SensorReport& report, Diagnost
   const Counters& c = report.counters;
   const FrameKind kind = config.model != nullptr ? config.model->kind : FrameKind::scan;
   const ReceptionVerdict verdict = lidard::judge(report.recent, kind);
-  if (!report.rivals.empty()) {
-    item.set(Health::error, rivals_text(report.rivals, config.ip_port));
+  if (std::string rivals = rivals_text(report.recent, config.ip_port); !rivals.empty()) {
+    item.set(Health::error, std::move(rivals));
   } else if (!report.other_model.empty() && is_all_refused(report.recent.counters)) {
     item.set(Health::error, report.other_model);
   } else if (c.packets > 0 && c.rejected_total() == c.packets) {
@@ -96,6 +96,8 @@ void judge_data(const SensorConfig& config, const SensorReport& report, Diagnost
     item.set(Health::warn, warnings_of(report));
   } else if (!report.filter_trouble.empty()) {
     item.set(Health::warn, report.filter_trouble);
+  } else if (config.model != nullptr && c.frames == 0) {
+    item.message = why_no_frame(*config.model, c, span_from_seconds(report.whole.watched_s));
   } else {
     item.message = "receiving";
   }
@@ -121,7 +123,7 @@ void add_rates(const Reception& recent, DiagnosticItem& item) {
            rate(100.0 * static_cast<double>(recent.returns), static_cast<double>(recent.beams)));
 }
 
-/// Limit of the stored names, against forged senders.
+/// The newest senders, against forged ones.
 constexpr std::size_t most_names = 32;
 
 std::string name_of(const Flow& flow, std::uint64_t packets) {
@@ -193,23 +195,13 @@ DiagnosticItem unknown_senders_item(const std::vector<std::string>& senders) {
 
 void UnknownSenders::note(const Packet& packet) {
   const Flow flow = flow_of(packet);
-  const auto entry = senders_.find(flow);
-  Sender& sender = entry != senders_.end()     ? entry->second
-                   : make_room(packet.arrival) ? senders_[flow]
-                                               : not_named_;
+  if (senders_.size() == most_names && senders_.count(flow) == 0)
+    senders_.erase(std::min_element(senders_.begin(), senders_.end(), [](const auto& a, const auto& b) {
+      return a.second.last < b.second.last;
+    }));
+  Sender& sender = senders_[flow];
   ++sender.packets;
   sender.last = packet.arrival;
-}
-
-/// Makes room for a name by removing an expired one; false if there is none.
-bool UnknownSenders::make_room(Stamp now) {
-  if (senders_.size() < most_names) return true;
-  const auto oldest = std::min_element(senders_.begin(), senders_.end(), [](const auto& a, const auto& b) {
-    return a.second.last < b.second.last;
-  });
-  if (now - oldest->second.last < expires_after) return false;
-  senders_.erase(oldest);
-  return true;
 }
 
 std::vector<std::string> UnknownSenders::names(Stamp since) const {
@@ -217,8 +209,6 @@ std::vector<std::string> UnknownSenders::names(Stamp since) const {
   for (const auto& [flow, sender] : senders_) {
     if (sender.last >= since) names.push_back(name_of(flow, sender.packets));
   }
-  if (not_named_.packets > 0 && not_named_.last >= since)
-    names.push_back("further senders (" + std::to_string(not_named_.packets) + " packets)");
   return names;
 }
 

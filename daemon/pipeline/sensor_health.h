@@ -31,10 +31,8 @@ class UnknownSenders {
     std::uint64_t packets = 0;
     Stamp last{};
   };
-  bool make_room(Stamp now);
 
   std::map<Flow, Sender> senders_;
-  Sender not_named_;
 };
 
 /// The health by the time since the last data of a source; `period_s`: as in SilenceLimits.

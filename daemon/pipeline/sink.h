@@ -81,7 +81,9 @@ class FrameSink {
   /// `released`: arrival of the packet that completed the frame.
   virtual void publish(const OutputTopic& topic, const Payload& payload, Stamp released) = 0;
   virtual void transforms(const std::vector<StaticTransform>& /*transforms*/, Stamp /*released*/) {}
-  virtual void diagnostics(const std::vector<DiagnosticItem>& /*items*/, Stamp /*released*/) {}
+  /// The newest items of the pipeline of a worker.
+  virtual void diagnostics(const std::vector<DiagnosticItem>& /*items*/, Stamp /*released*/,
+                           Worker /*worker*/) {}
 };
 
 }  // namespace lidard

@@ -57,7 +57,8 @@ void VehicleMotion::note_poses(Stamp now) {
 
 /// The fault, with the remedy; empty: none.
 std::string VehicleMotion::trouble(Stamp now) const {
-  if (track_.empty()) return "no pose of the vehicle yet; scans are not deskewed";
+  if (track_.empty())
+    return "no pose of the vehicle yet, so scans are not deskewed; see that odometry is published";
   const bool data_live = data_ && seconds(now - data_->arrival) < data_live_s;
   if (!data_live) {
     const bool pose_live = pose_ && seconds(now - pose_->arrival) < longest_lag_s;

@@ -1,9 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <spdlog/fmt/fmt.h>
-
 #include <algorithm>
-#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -79,20 +76,11 @@ class VirtualOutput final : public Output {
     set_up();
   }
   bool publishes(const std::string& topic) const override {
-    for (std::size_t i = 0; i < topics_.size(); ++i) {
-      if (carries(topic, i)) return true;
+    for (const auto& of_frame : topics_) {
+      for (const OutputTopic* own : of_frame)
+        if (own->name == topic) return true;
     }
     return false;
-  }
-  std::string why_missing(const std::string& topic, const WhySilent& why_silent) const override {
-    if (counters_.published == 0 && counters_.no_pose == 0)
-      return "source " + config_.cloud_topic + " gave no clouds" + why_silent(config_.cloud_topic);
-    std::string missing;
-    for (std::size_t i = 0; i < why_unplaced_.size(); ++i) {
-      if (why_unplaced_[i].empty() || !carries(topic, i)) continue;
-      missing += (missing.empty() ? "" : "; ") + why_unplaced_[i];
-    }
-    return missing;
   }
   DiagnosticItem diagnostics(Stamp now, bool starting) const override {
     DiagnosticItem item = health_of("virtual " + config_.name, counters_, now, starting);
@@ -105,7 +93,6 @@ class VirtualOutput final : public Output {
     if (item.health == Health::ok && !why.empty()) {
       item.set(Health::warn, "points alone, nothing is known to be free: of the cloud " + why);
     }
-    describe_beams(item);
     return item;
   }
 
@@ -157,10 +144,6 @@ class VirtualOutput final : public Output {
       context_.outlet.publish(*topics_[frame][i], scans_[i], now);
     }
   }
-  bool carries(const std::string& topic, std::size_t frame) const {
-    return std::any_of(topics_[frame].begin(), topics_[frame].end(),
-                       [&](const OutputTopic* own) { return own->name == topic; });
-  }
   void describe_frames(DiagnosticItem& item) const {
     if (item.health != Health::ok) return;
     for (std::size_t i = 0; i < why_unplaced_.size(); ++i) {
@@ -168,23 +151,6 @@ class VirtualOutput final : public Output {
       item.set(Health::warn, "publishing without " + config_.virtual_laser_scan[i] + ": " + why_unplaced_[i]);
     }
   }
-  void describe_beams(DiagnosticItem& item) const {
-    for (std::size_t i = 0; i < config_.virtual_laser_scan.size(); ++i) {
-      const Visibility& visibility = virtualizer_->visibility(i);
-      std::array<std::size_t, 5> counts{};
-      for (std::size_t beam = 0; beam < visibility.beams(); ++beam)
-        ++counts[static_cast<std::size_t>(visibility.state(beam))];
-      const auto share = [&](BeamState seen) {
-        return 100.0 * static_cast<double>(counts[static_cast<std::size_t>(seen)]) /
-               static_cast<double>(visibility.beams());
-      };
-      item.add("Beams of " + config_.virtual_laser_scan[i],
-               fmt::format("hit {:.1f} %, free {:.1f} %, behind {:.1f} %, gap {:.1f} %, unobserved {:.1f} %",
-                           share(BeamState::hit), share(BeamState::free), share(BeamState::behind),
-                           share(BeamState::gap), share(BeamState::unobserved)));
-    }
-  }
-
   VirtualScanConfig config_;
   const OutputContext& context_;
   const FrameTree& poses_;

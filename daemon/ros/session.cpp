@@ -30,8 +30,12 @@ class Outline final : public RosComponent {
   const RawMessage outline_;
 };
 
-std::array<std::string, 3> motion_topics(const VehicleConfig& vehicle) {
-  return {vehicle.odometry_topic, vehicle.imu_topic, vehicle.speed_topic};
+/// The workers that use the vehicle's motion.
+std::vector<Worker> moving_workers(const Config& config) {
+  std::vector<Worker> moving;
+  for (const Worker worker : {Worker::sensors, Worker::clouds})
+    if (vehicle_for(config, worker).has_motion()) moving.push_back(worker);
+  return moving;
 }
 
 }  // namespace
@@ -46,7 +50,7 @@ RosSession::RosSession(const Config& config, const RosOptions& options)
 
 TransformSource& RosSession::poses() { return *poses_; }
 
-void RosSession::feed(const Config& config, Post post) {
+void RosSession::feed(const Config& config, RosPost post) {
   post_ = std::move(post);
   renew(nullptr, config);
 }
@@ -63,20 +67,15 @@ void RosSession::renew(const Config* before, const Config& config) {
     const auto former = std::exchange(place, next);
     add(std::move(next), former);
   };
-  for (const Worker worker : {Worker::sensors, Worker::clouds}) {
-    auto& [inputs, motion] = fed_[static_cast<std::size_t>(worker)];
-    const auto sources = topic_sources(config, worker);
-    if (before == nullptr || !(sources == topic_sources(*before, worker)))
-      replace(inputs, std::make_shared<RosInputs>(sources, worker, post_, clock_step_));
-    const VehicleConfig vehicle = vehicle_for(config, worker);
-    if (before == nullptr || motion_topics(vehicle) != motion_topics(vehicle_for(*before, worker)))
-      replace(motion, make_ros_motion(vehicle, worker, post_, clock_step_));
+  const auto sources = topic_sources(config);
+  if (before == nullptr || !(sources == topic_sources(*before)))
+    replace(inputs_, std::make_shared<RosInputs>(sources, post_, clock_step_));
+  const auto moving = moving_workers(config);
+  if (before == nullptr || !(config.vehicle == before->vehicle) || moving != moving_workers(*before)) {
+    replace(motion_, make_ros_motion(config.vehicle, moving, post_, clock_step_));
+    replace(outline_, std::make_shared<Outline>(config.vehicle));
   }
   replace(reconfigure_, make_ros_reconfigure(changeable_outputs(config, names_), post_));
-  const VehicleConfig& vehicle = config.vehicle;
-  if (before == nullptr || vehicle.base_frame != before->vehicle.base_frame ||
-      vehicle.footprint != before->vehicle.footprint)
-    replace(outline_, std::make_shared<Outline>(vehicle));
 }
 
 }  // namespace lidard

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
 #include <functional>
 #include <memory>
 
@@ -11,17 +10,13 @@
 
 namespace lidard {
 
-class MessageReceiver;
 class TfPoses;
 class TransformSource;
 
-/// The workers' interface to ROS: sinks for frames, poses from tf, and, after feed(), messages of other
+/// The workers' interface to ROS: a sink for frames, poses from tf, and, after feed(), messages of other
 /// nodes and changes of outputs. The same live, in replay and in the drop-ins.
 class RosSession : public RosConnection {
  public:
-  /// See RosPost.
-  using Post = std::function<void(Worker worker, std::function<void(MessageReceiver&, Stamp received)> task)>;
-
   /// Throws RosError.
   RosSession(const Config& config, const RosOptions& options);
 
@@ -29,23 +24,19 @@ class RosSession : public RosConnection {
   TransformSource& poses();
   /// Passes messages of `topic:` and `packet_topic:` sensors, of the vehicle's motion and of
   /// dynamic_reconfigure to the pipelines. To be called before start().
-  void feed(const Config& config, Post post);
-  /// Applies another configuration, except the topics of sink(), see set_topics(). Throws RosError; then
-  /// nothing changes.
+  void feed(const Config& config, RosPost post);
+  /// Applies another configuration, except PublisherThread::set_topics(). Throws RosError; then nothing
+  /// changes.
   void change(const Config& before, const Config& config);
 
  private:
-  struct Fed {
-    std::shared_ptr<RosComponent> inputs, motion;
-  };
   void renew(const Config* before, const Config& config);
 
   const ReconfigureNames names_;
   const SharedClockStep clock_step_;
   const std::shared_ptr<TfPoses> poses_;
-  Post post_;
-  std::array<Fed, workers> fed_;
-  std::shared_ptr<RosComponent> reconfigure_, outline_;
+  RosPost post_;
+  std::shared_ptr<RosComponent> inputs_, motion_, reconfigure_, outline_;
 };
 
 }  // namespace lidard

@@ -74,7 +74,7 @@ class SummedSink final : public FrameSink {
     else
       sums.message(topic.name, *std::get<const DeviceMessage*>(payload));
   }
-  void diagnostics(const std::vector<DiagnosticItem>& items, Stamp released) override {
+  void diagnostics(const std::vector<DiagnosticItem>& items, Stamp released, Worker) override {
     sums.add_exact("diagnostics", released.ns);
     for (const DiagnosticItem& item : items) {
       sums.add_exact("diagnostics of " + item.name, static_cast<int>(item.health));
@@ -139,12 +139,6 @@ Played played(const std::string& path, const Config& config, const Day& day) {
   }
   all.values = text_of(pipeline.diagnostics(now), true);
   pipeline.finish(now);
-  for (const double later : {0.6, 2.1, 3.4, 12.0}) {
-    pipeline.tick(now + span_from_seconds(later));
-    const auto event = pipeline.next_event();
-    all.states += "next " + std::to_string(event ? (*event - now).count() : -1) + "\n" +
-                  text_of(pipeline.diagnostics(now + span_from_seconds(later)), false);
-  }
   std::ostringstream tables;
   print_table(pipeline.report(), tables);
   print_verdicts(config, pipeline.report(), tables);
@@ -153,6 +147,12 @@ Played played(const std::string& path, const Config& config, const Day& day) {
   for (const auto& fixed : pipeline.static_transforms())
     tables << fixed.parent << " -> " << fixed.child << '\n';
   all.tables = tables.str();
+  for (const double later : {0.6, 2.1, 3.4, 12.0}) {
+    pipeline.tick(now + span_from_seconds(later));
+    const auto event = pipeline.next_event();
+    all.states += "next " + std::to_string(event ? (*event - now).count() : -1) + "\n" +
+                  text_of(pipeline.diagnostics(now + span_from_seconds(later)), false);
+  }
   all.sums = sink.sums.digest(path + ", " + day.name);
   return all;
 }

@@ -15,7 +15,7 @@ CABLE = [
           "but there are packets from 192.168.1.208 -> port 2411", 3),
     Fault("dirty", "a scanner's window is dirty", "sensor dirty", "WARN", "the scanner's window is dirty; clean it", 3),
     Fault("group", "no interface for the multicast group", "port 2415", "WARN", "239.1.2.3", 2),
-    Fault("no_odometry", "nobody publishes the odometry", "motion /odom", "WARN", "nobody publishes /odom; scans are not deskewed", 4),
+    Fault("no_odometry", "nobody publishes the odometry", "motion", "WARN", "no pose of the vehicle yet, so scans are not deskewed; see that odometry is published", 4),
     Fault("refused", "a TCP device refuses", "sensor right", "WARN", "refuses the connection", 1),
     Fault("silent", "a UDP lidar falls silent", "sensor front", "WARN", "silent: nothing received from 192.168.1.21 to port 6060", 1),
     Fault("half_open", "a TCP device loses its power", "sensor left", "WARN", "silent: nothing received from 192.168.1.10:10940", 1),

@@ -138,8 +138,8 @@ def check_leftovers(vehicle, child, before):
     # Connections of roscpp that end do so soon.
     wait_for(lambda: descriptors(child.pid) <= before + 5, 5, f"no socket is left of former configurations: {before} descriptors before, "
              f"{descriptors(child.pid)} after")
-    # Three of roscpp's and six of ours; those of former workers end soon.
-    wait_for(lambda: len(thread_names(child.pid)) == 9, 5, f"no thread is left: {thread_names(child.pid)}")
+    # Three of roscpp's and five of ours; those of former workers end soon.
+    wait_for(lambda: len(thread_names(child.pid)) == 8, 5, f"no thread is left: {thread_names(child.pid)}")
     print(f"lost: left {losses('left')}, roof {losses('roof')}")
 
 

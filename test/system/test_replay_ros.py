@@ -64,8 +64,8 @@ def check(merged, diagnostics):
     expect(abs(newest().header.stamp.to_sec() - 1767225600) < 600, "the time of the capture")
     values = diagnostics.values
     wait_for(lambda: values("merged around").get("Motion", "").startswith("deskewed"), 10, f"deskewed scans, not {values('merged around')}")
-    for name in ("side input", "motion /odom"):
-        expect(diagnostics.message(name) == "receiving", f"{name}: {diagnostics.message(name)}")
+    for name, text in (("side input", "receiving"), ("motion", "poses come in")):
+        expect(diagnostics.message(name) == text, f"{name}: {diagnostics.message(name)}")
     server = dynamic_reconfigure.client.Client("/lidard/around", timeout=20)
     expect(server.update_configuration({"range_max": 5.0})["range_max"] == 5, "accepted")
     wait_for(lambda: newest().range_max == 5 and not math.isfinite(beam(newest(), 0.0)), 10, "the wall in front lies beyond 5 m")

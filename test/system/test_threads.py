@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-FileCopyrightText: 2026 the lidard authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""The daemon has six threads beside those of roscpp, however many sensors, topics, transforms and dynamic_reconfigure servers it
+"""The daemon has five threads beside those of roscpp, however many sensors, topics, transforms and dynamic_reconfigure servers it
 has to do with: before the master comes, with it, after the node was shut down from outside, and with a master that was restarted."""
 import pathlib
 import signal
@@ -32,7 +32,7 @@ merged_scans:
 virtual_scans:
   levels: {{cloud_topic: packets, virtual_laser_scan: [low], poses: {{low: {{xyz: [0, 0, 0.5]}}}}}}
 """
-OURS = [pathlib.Path(LIDARD).name[:15], "lidard-clouds", "lidard-master", "lidard-ros", "lidard-roscloud"]
+OURS = [pathlib.Path(LIDARD).name[:15], "lidard-clouds", "lidard-master", "lidard-ros"]
 CALLBACKS = ["lidard-callback"]
 ROSCPP = ["roscpp-callback", "roscpp-sockets", "roscpp-xmlrpc"]
 

@@ -88,7 +88,7 @@ def thread_of(child, name):
     return None
 
 
-THREADS = (None, "lidard-clouds", "lidard-master", "lidard-ros", "lidard-roscloud", "lidard-callback", "roscpp-sockets", "roscpp-xmlrpc",
+THREADS = (None, "lidard-clouds", "lidard-master", "lidard-ros", "lidard-callback", "roscpp-sockets", "roscpp-xmlrpc",
            "roscpp-callback")
 
 
@@ -102,7 +102,7 @@ def check_states(name, diagnostics):
     if name == "lidard-clouds":
         wait_for(lambda: "no report from the sensor thread for" in diagnostics.message("sensor roof"), 3, "the clouds' state is old")
         expect(diagnostics.level("sensor front") == 0, "the planar scanner is well")
-    if name in ("lidard-ros", "lidard-roscloud"):
+    if name == "lidard-ros":
         wait_for(lambda: diagnostics.level("ROS") == 2, 3, "the state of ROS is an ERROR")
         print(f"ROS: {diagnostics.message('ROS')}")
 

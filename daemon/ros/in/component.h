@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/time.h"
+#include "core/base/host_clock.h"
 #include "daemon/config/config.h"
 #include "daemon/pipeline/sink.h"
 #include "daemon/ros/in/callback_thread.h"
@@ -35,8 +35,6 @@ class RosComponent {
   /// The master was restarted; the topics of this node are registered elsewhere. Returns the component's
   /// services, to be registered too.
   virtual std::vector<std::string> master_restarted() { return {}; }
-  /// Frame topics to be advertised anew, since the shape of their frames changed.
-  virtual std::vector<std::string> stale_topics() { return {}; }
   virtual std::vector<DiagnosticItem> diagnostics() { return {}; }
   /// Drops all parts kept: nothing calls the component afterwards. May wait for the master, unless `leave`.
   void disconnect(bool leave) {
@@ -77,15 +75,10 @@ using RosPost = std::function<void(Worker worker, RosTask task)>;
 /// Converts the stamps of messages, which are the host's, to the time of the pipelines.
 using SharedClockStep = std::shared_ptr<const ClockStep>;
 
-/// True until the master was asked and connections had time to come: no publisher counts as missing yet.
-inline bool may_still_come(std::chrono::steady_clock::time_point connected_at) {
-  return std::chrono::steady_clock::now() - connected_at < std::chrono::seconds(2);
-}
-
 /// Subscribes to the topics of the vehicle's motion: nav_msgs/Odometry, or sensor_msgs/Imu with a speed
-/// (geometry_msgs/TwistStamped), for a worker.
-std::shared_ptr<RosComponent> make_ros_motion(const VehicleConfig& vehicle, Worker worker, RosPost post,
-                                              SharedClockStep clock);
+/// (geometry_msgs/TwistStamped), for the workers that use it.
+std::shared_ptr<RosComponent> make_ros_motion(const VehicleConfig& vehicle, std::vector<Worker> users,
+                                              RosPost post, SharedClockStep clock);
 /// dynamic_reconfigure servers of the merged and virtual scans. The callback thread answers requests and
 /// passes on what is accepted. The parameter server is written in the master thread, so that a master that
 /// hangs holds up nobody; dynamic_reconfigure::Server would write it in the answering thread.

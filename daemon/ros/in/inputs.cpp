@@ -20,11 +20,8 @@ namespace {
 /// Messages of one source that may wait for the sensor thread.
 constexpr int most_pending = 4;
 
-/// The unused part of a usable message.
-struct LeftOut {
-  std::size_t points = 0;
-  bool intensities = false;
-};
+/// Until the master was asked and connections had time to come no publisher counts as missing.
+constexpr auto first_patience = std::chrono::seconds(2);
 
 /// The kind of frames that the outputs need from a source.
 std::optional<FrameKind> use_of(const std::string& sensor, const Config& config) {
@@ -57,13 +54,13 @@ void judge(const TopicReport& report, bool waits, DiagnosticItem& item) {
 
 }  // namespace
 
-std::vector<TopicSource> topic_sources(const Config& config, Worker worker) {
+std::vector<TopicSource> topic_sources(const Config& config) {
   std::vector<TopicSource> sources;
   for (const auto& sensor : config.sensors) {
-    if (sensor.worker != worker) continue;
     if (sensor.model == nullptr)
-      sources.push_back({sensor.name, sensor.topic, false, use_of(sensor.name, config)});
-    if (!sensor.packet_topic.empty()) sources.push_back({sensor.name, sensor.packet_topic, true});
+      sources.push_back({sensor.name, sensor.topic, false, use_of(sensor.name, config), sensor.worker});
+    if (!sensor.packet_topic.empty())
+      sources.push_back({sensor.name, sensor.packet_topic, true, {}, sensor.worker});
   }
   return sources;
 }
@@ -74,14 +71,6 @@ struct RosInputs::Source {
   int pending = 0;
   bool subscribed = false;  // belongs to the master thread
 
-  /// Counts a message; false if the sensor thread is too far behind.
-  bool accept() {
-    const std::lock_guard lock(mutex);
-    ++report.messages;
-    if (pending < most_pending) return true;
-    ++report.dropped;
-    return false;
-  }
   bool accepts(FrameKind frames) const { return !report.packets && report.kind.value_or(frames) == frames; }
   void reject_type() {
     std::string expected = report.packets ? VelodyneScanMessage::message_type().name : "";
@@ -92,29 +81,10 @@ struct RosInputs::Source {
     report.wrong_type = "topic " + report.topic + " carries " + report.type + "; expected " + expected;
     log_error("{}", report.wrong_type);
   }
-  void reject(const char* reason) {
-    const std::lock_guard lock(mutex);
-    ++report.rejected;
-    report.rejected_at = std::chrono::steady_clock::now();
-    if (report.last_reason == reason) return;
-    report.last_reason = reason;
-    log_warn("messages of {} are not used: {}", report.topic, reason);
-  }
-  void count(const LeftOut& left_out) {
-    const std::lock_guard lock(mutex);
-    report.points_dropped += left_out.points;
-    report.intensities_ignored += left_out.intensities ? 1 : 0;
-    ++pending;
-  }
-  void done() {
-    const std::lock_guard lock(mutex);
-    --pending;
-  }
 };
 
-RosInputs::RosInputs(const std::vector<TopicSource>& sources, Worker worker, RosPost post,
-                     SharedClockStep clock)
-    : worker_(worker), post_(std::move(post)), clock_(std::move(clock)) {
+RosInputs::RosInputs(const std::vector<TopicSource>& sources, RosPost post, SharedClockStep clock)
+    : post_(std::move(post)), clock_(std::move(clock)) {
   for (const auto& source : sources) {
     sources_.push_back(std::make_shared<Source>());
     static_cast<TopicSource&>(sources_.back()->report) = source;
@@ -132,18 +102,30 @@ void RosInputs::disconnected() {
   }
 }
 
+/// `read` makes a task of a message, or returns its fault.
 template <typename Message, typename Read>
 void RosInputs::subscribe_as(const MessageType& type, const std::shared_ptr<Source>& source, Read read) {
-  const auto receive = [source, read, worker = worker_,
-                        post = post_](const boost::shared_ptr<const Message>& message) {
-    if (!source->accept()) return;
+  const auto receive = [source, read, post = post_](const boost::shared_ptr<const Message>& message) {
+    const std::lock_guard lock(source->mutex);
+    TopicReport& report = source->report;
+    ++report.messages;
+    if (source->pending >= most_pending) {
+      ++report.dropped;
+      return;
+    }
     RosTask task;
-    LeftOut left_out;
-    if (const char* reason = read(message, task, left_out)) return source->reject(reason);
-    source->count(left_out);
-    post(worker, [source, task](MessageReceiver& to, Stamp received) {
+    if (const char* const reason = read(message, report, task)) {
+      ++report.rejected;
+      report.rejected_at = std::chrono::steady_clock::now();
+      if (report.last_reason != reason) log_warn("messages of {} are not used: {}", report.topic, reason);
+      report.last_reason = reason;
+      return;
+    }
+    ++source->pending;
+    post(report.worker, [source, task](MessageReceiver& to, Stamp received) {
       task(to, received);
-      source->done();
+      const std::lock_guard done(source->mutex);
+      --source->pending;
     });
   };
   // roscpp itself refuses a publisher of another type or md5sum.
@@ -155,14 +137,10 @@ void RosInputs::subscribe(const std::shared_ptr<Source>& source, const std::stri
   using sensor_msgs::LaserScan;
   using sensor_msgs::PointCloud2;
   const auto& packets = VelodyneScanMessage::message_type();
-  const auto use = [sensor = source->report.sensor, clock = clock_](auto give) {
-    return [=](const auto& message, RosTask& task, LeftOut& left_out) {
-      return give(sensor, clock, message, task, left_out);
-    };
-  };
+  const std::string& sensor = source->report.sensor;
   if (source->report.packets && type == packets.name) {
     subscribe_as<RawMessage>(
-        packets, source, use([](auto& sensor, auto& clock, auto& message, RosTask& task, LeftOut&) {
+        packets, source, [sensor, clock = clock_](const auto& message, TopicReport&, RosTask& task) {
           const ByteView bytes(message->data.message_start, message->size());
           task = [=, keeps_bytes = message](auto& to, Stamp received) {
             read_velodyne_scan(bytes, [&](ByteView packet, HostStamp arrival) {
@@ -173,27 +151,27 @@ void RosInputs::subscribe(const std::shared_ptr<Source>& source, const std::stri
           };
           // Parse it before it is passed on, so that a bad message is counted at once.
           return read_velodyne_scan(bytes, [](ByteView, HostStamp) {});
-        }));
+        });
   } else if (type == type_of<LaserScan>().name && source->accepts(FrameKind::scan)) {
     subscribe_as<LaserScan>(
         type_of<LaserScan>(), source,
-        use([](auto& sensor, auto& clock, auto& message, RosTask& task, LeftOut& left_out) {
+        [sensor, clock = clock_](const auto& message, TopicReport& report, RosTask& task) {
           const auto scan = std::make_shared<PlanarScan>();
           const char* const error = from_ros(*message, *scan, *clock);
-          left_out.intensities = !intensities_fit(*message);
+          if (error == nullptr && !intensities_fit(*message)) ++report.intensities_ignored;
           task = [=](auto& to, Stamp received) { to.scan_message(sensor, *scan, received); };
           return error;
-        }));
+        });
   } else if (type == type_of<PointCloud2>().name && source->accepts(FrameKind::cloud)) {
     subscribe_as<PointCloud2>(
         type_of<PointCloud2>(), source,
-        use([](auto& sensor, auto& clock, auto& message, RosTask& task, LeftOut& left_out) {
+        [sensor, clock = clock_](const auto& message, TopicReport& report, RosTask& task) {
           const auto cloud = std::make_shared<Cloud>();
           const CloudReading reading = from_ros(*message, *cloud, *clock);
-          left_out.points = reading.dropped;
+          if (reading.error == nullptr) report.points_dropped += reading.dropped;
           task = [=](auto& to, Stamp received) { to.cloud_message(sensor, *cloud, received); };
           return reading.error;
-        }));
+        });
   } else {
     source->reject_type();
   }
@@ -229,7 +207,7 @@ std::vector<DiagnosticItem> RosInputs::diagnostics() {
   std::vector<DiagnosticItem> items;
   for (const auto& r : report()) {
     DiagnosticItem item{r.sensor + " input"};
-    judge(r, may_still_come(connected_at_), item);
+    judge(r, std::chrono::steady_clock::now() - connected_at_ < first_patience, item);
     item.values = {{"Topic", r.topic},
                    {"Type", r.type},
                    {"Messages", std::to_string(r.messages)},

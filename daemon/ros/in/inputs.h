@@ -20,13 +20,14 @@ struct TopicSource {
   std::string topic;
   bool packets = false;                ///< the topic carries velodyne_msgs/VelodyneScan for a driver of ours
   std::optional<FrameKind> kind = {};  ///< needed by the outputs; unset: any
+  Worker worker = Worker::sensors;     ///< uses it
   friend bool operator==(const TopicSource& a, const TopicSource& b) {
-    return a.sensor == b.sensor && a.topic == b.topic && a.packets == b.packets && a.kind == b.kind;
+    return a.sensor == b.sensor && a.topic == b.topic && a.packets == b.packets && a.kind == b.kind &&
+           a.worker == b.worker;
   }
 };
 
-/// The topics of a worker's sensors.
-std::vector<TopicSource> topic_sources(const Config& config, Worker worker);
+std::vector<TopicSource> topic_sources(const Config& config);
 
 /// Counters of one topic source since the start.
 struct TopicReport : TopicSource {
@@ -45,7 +46,7 @@ struct TopicReport : TopicSource {
 /// asked in the master thread; the callback thread converts and hands the result on.
 class RosInputs : public RosComponent {
  public:
-  RosInputs(const std::vector<TopicSource>& sources, Worker worker, RosPost post,
+  RosInputs(const std::vector<TopicSource>& sources, RosPost post,
             SharedClockStep clock = std::make_shared<ClockStep>());
   ~RosInputs() override;
 
@@ -66,7 +67,6 @@ class RosInputs : public RosComponent {
   template <typename Message, typename Read>
   void subscribe_as(const MessageType& type, const std::shared_ptr<Source>& source, Read read);
 
-  const Worker worker_;
   const RosPost post_;
   const SharedClockStep clock_;
   std::vector<std::shared_ptr<Source>> sources_;

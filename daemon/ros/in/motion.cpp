@@ -16,13 +16,12 @@ namespace {
 
 class RosMotion final : public RosComponent {
  public:
-  RosMotion(const VehicleConfig& vehicle, Worker worker, RosPost post, SharedClockStep clock)
+  RosMotion(const VehicleConfig& vehicle, std::vector<Worker> users, RosPost post, SharedClockStep clock)
       : topics_{vehicle.odometry_topic, vehicle.imu_topic, vehicle.speed_topic},
-        worker_(worker),
+        users_(std::move(users)),
         post_(std::move(post)),
         clock_(std::move(clock)) {}
   void connected(RosCallbackThread& ros) override {
-    connected_at_ = std::chrono::steady_clock::now();
     listen<nav_msgs::Odometry>(ros, odometry, [clock = clock_](const nav_msgs::Odometry& m) {
       return [stamp = clock->steady(from_ros(m.header.stamp)),
               pose = to_pose(m.pose.pose.position, m.pose.pose.orientation), child = m.child_frame_id](
@@ -37,22 +36,6 @@ class RosMotion final : public RosComponent {
       return [ahead = m.twist.linear.x](auto& to, Stamp) { to.speed_message(ahead); };
     });
   }
-  std::vector<DiagnosticItem> diagnostics() override {
-    std::vector<DiagnosticItem> items;
-    for (const Topic i : {odometry, imu, speed}) {
-      const std::string& topic = topics_[i];
-      const std::uint64_t messages = messages_[i];
-      if (topic.empty()) continue;
-      DiagnosticItem item{"motion " + topic};
-      item.message = "receiving";
-      if (messages == 0 && !may_still_come(connected_at_))
-        item.set(Health::warn, "nobody publishes " + topic + "; scans are not deskewed");
-      item.add("Topic", topic);
-      item.add("Messages", messages);
-      items.push_back(std::move(item));
-    }
-    return items;
-  }
 
  private:
   enum Topic : std::size_t { odometry, imu, speed };
@@ -60,9 +43,8 @@ class RosMotion final : public RosComponent {
   void listen(RosCallbackThread& ros, Topic topic, MakeTask make_task) {
     constexpr std::uint32_t queue_length = 50;
     if (topics_[topic].empty()) return;
-    const auto receive = [this, topic, make_task](const boost::shared_ptr<const Message>& message) {
-      ++messages_[topic];
-      post_(worker_, make_task(*message));
+    const auto receive = [this, make_task](const boost::shared_ptr<const Message>& message) {
+      for (const Worker user : users_) post_(user, make_task(*message));
     };
     // A pose that Nagle's algorithm delays is missing for deskewing.
     subscribe<Message>(ros, topics_[topic], queue_length, receive, type_of<Message>(),
@@ -70,18 +52,16 @@ class RosMotion final : public RosComponent {
   }
 
   const std::string topics_[3];  // empty: none
-  const Worker worker_;
+  const std::vector<Worker> users_;
   const RosPost post_;
   const SharedClockStep clock_;
-  std::atomic<std::uint64_t> messages_[3] = {};
-  std::chrono::steady_clock::time_point connected_at_{};
 };
 
 }  // namespace
 
-std::shared_ptr<RosComponent> make_ros_motion(const VehicleConfig& vehicle, Worker worker, RosPost post,
-                                              SharedClockStep clock) {
-  return std::make_shared<RosMotion>(vehicle, worker, std::move(post), std::move(clock));
+std::shared_ptr<RosComponent> make_ros_motion(const VehicleConfig& vehicle, std::vector<Worker> users,
+                                              RosPost post, SharedClockStep clock) {
+  return std::make_shared<RosMotion>(vehicle, std::move(users), std::move(post), std::move(clock));
 }
 
 }  // namespace lidard

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/ros/master/environment.h"
 
-#include <arpa/inet.h>
-#include <netinet/in.h>
 #include <ros/exceptions.h>
 #include <ros/init.h>
 #include <ros/names.h>
@@ -36,11 +34,9 @@ RosError wrong_name(const ros::Exception& problem) {
 
 /// The IPv4 address of a host, if it is known within a second: a name server may be out of reach.
 std::optional<IpAddress> address_of(const std::string& name) {
-  for (const auto& [address, length] : resolve(name, 1, std::chrono::seconds(1))) {
-    const auto* const v4 = reinterpret_cast<const sockaddr_in*>(&address);
-    char text[INET_ADDRSTRLEN] = "";
-    if (address.ss_family == AF_INET && inet_ntop(AF_INET, &v4->sin_addr, text, sizeof text) != nullptr)
-      return IpAddress::parse(text);
+  for (const std::string& text : resolve(name, std::chrono::seconds(1))) {
+    const auto address = IpAddress::parse(text);
+    if (address && !address->v6) return address;
   }
   return std::nullopt;
 }

@@ -11,9 +11,14 @@
 
 #include "core/base/host_clock.h"
 #include "daemon/config/config.h"
-#include "daemon/live/frame_queue.h"
 
 namespace lidard {
+
+/// How to handle a frame while earlier frames are still queued for the publishing thread.
+enum class Backpressure : std::uint8_t {
+  drop_oldest,  ///< live: the sensor thread never waits; dropped frames are counted
+  block         ///< replay: the calling thread waits; no frame is lost
+};
 
 /// Names of the dynamic_reconfigure servers.
 enum class ReconfigureNames : std::uint8_t {

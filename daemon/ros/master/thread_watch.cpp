@@ -26,7 +26,6 @@ struct Names {
   const char* for_people;
 };
 constexpr Names names[] = {{"lidard-ros", "the ROS thread"},
-                           {"lidard-roscloud", "the ROS thread of clouds"},
                            {"lidard-callback", "the thread for ROS callbacks"},
                            {"roscpp-sockets", "roscpp's thread for sockets"},
                            {"roscpp-xmlrpc", "roscpp's thread for XML-RPC"},
@@ -91,7 +90,7 @@ std::string ThreadWatch::standing(bool master_answers) {
   std::string standing;
   for (std::size_t i = 0; i < threads; ++i) {
     now[i] = rounds_->counts[i];
-    const bool ours = i == publishing || i == publishing_clouds || i == master;
+    const bool ours = i == publishing || i == master;
     const bool without_master = i <= callbacks;
     const bool counts = (ours ? now[i] > 0 : attached_.load()) && (without_master || master_answers);
     if (counts && now[i] == before_[i])

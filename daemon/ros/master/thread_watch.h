@@ -23,7 +23,7 @@ class ThreadWatch {
 
  public:
   /// `sockets`, `server` and `internal` are roscpp's.
-  enum Thread : std::size_t { publishing, publishing_clouds, callbacks, sockets, server, internal, master };
+  enum Thread : std::size_t { publishing, callbacks, sockets, server, internal, master };
 
   /// A round of the calling thread; the first one gives the thread its name.
   void tick(Thread thread) { rounds_->tick(thread); }

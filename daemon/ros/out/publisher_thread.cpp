@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "daemon/live/thread_priority.h"
 #include "daemon/pipeline/log.h"
 #include "daemon/ros/master/wait_until.h"
 #include "drivers/net/wall_clock.h"
@@ -25,6 +24,7 @@ constexpr std::size_t most_in_flight = 8;
 /// Messages that roscpp is sending to slow subscribers beside those in its queues.
 constexpr std::size_t most_being_sent = 8;
 constexpr std::size_t least_queue = 10;
+constexpr std::size_t least_depth = 2;
 /// After this long a subscriber that reads nothing counts as stuck, and a replay goes on without it.
 constexpr auto stuck_subscriber = std::chrono::seconds(10);
 constexpr auto between_counts = std::chrono::milliseconds(100);
@@ -39,6 +39,30 @@ class AtOnce final : public ros::CallbackQueueInterface {
   void addCallback(const ros::CallbackInterfacePtr& callback, std::uint64_t) override { callback->call(); }
   void removeByID(std::uint64_t) override {}
 };
+
+template <class Kept, class Content>
+Kept& kept_in(Content& content) {
+  Kept* const kept = std::get_if<Kept>(&content);
+  return kept != nullptr ? *kept : content.template emplace<Kept>();
+}
+
+/// Copies a frame, but swaps the points of a cloud.
+template <class Content>
+void keep(const Payload& payload, Content& content) {
+  const auto keep_one = [&](auto* given) {
+    using Kept = std::remove_const_t<std::remove_pointer_t<decltype(given)>>;
+    Kept& kept = kept_in<Kept>(content);
+    if constexpr (std::is_same_v<Kept, Cloud> || std::is_same_v<Kept, MergedCloud>) {
+      kept.frame_id = given->frame_id;
+      kept.stamp = given->stamp;
+      kept.height = given->height;
+      kept.points_bytes.swap(given->points_bytes);
+    } else {
+      kept = *given;
+    }
+  };
+  std::visit(keep_one, payload);
+}
 
 std::string ms(Span span) { return fmt::format("{:.1f}", 1e3 * seconds(span)); }
 
@@ -62,12 +86,18 @@ DiagnosticItem topic_item(const std::string& topic, const TopicFigures& f) {
 
 }  // namespace
 
-PublisherThread::Output::Output(std::string name, std::unique_ptr<MessageMaker> makes, std::size_t queue_slot,
-                                std::size_t depth)
+/// One more frame than may wait: the thread holds one.
+PublisherThread::Output::Output(std::string name, std::unique_ptr<MessageMaker> makes, std::size_t may_wait)
     : topic(std::move(name)),
       maker(std::move(makes)),
-      slot(queue_slot),
-      queue_size(std::max(least_queue, depth)) {}
+      depth(may_wait),
+      queue_size(std::max(least_queue, may_wait)),
+      frames(may_wait + 1) {
+  for (Frame& frame : frames) {
+    frame.output = this;
+    free.push_back(&frame);
+  }
+}
 
 ros::Publisher make_publisher(const std::string& topic, const MessageType& type, std::size_t queue_size,
                               bool latched, const ros::SubscriberStatusCallback& on_subscriber) {
@@ -118,16 +148,12 @@ bool PublisherThread::Output::loses() const {
   return lost > 0 && Clock::now() - lost_at.load() < news_of_a_loss;
 }
 
-PublisherThread::PublisherThread(const RosOptions& options, ThreadWatch& watch, Worker worker,
-                                 OnDiagnostics on_diagnostics)
+PublisherThread::PublisherThread(const RosOptions& options, ThreadWatch& watch, OnDiagnostics on_diagnostics)
     : block_(options.backpressure == Backpressure::block),
       with_clock_(options.clock),
       watch_(watch),
       clock_step_(options.clock_step),
-      worker_(worker),
-      number_(worker == Worker::clouds ? ThreadWatch::publishing_clouds : ThreadWatch::publishing),
       on_diagnostics_(std::move(on_diagnostics)),
-      queue_(options.backpressure),
       tf_(add_output("/tf_static", transforms_maker(), 2)),
       clock_(add_output("/clock", clock_maker(), 2)) {
   tf_.latched = true;
@@ -136,15 +162,17 @@ PublisherThread::PublisherThread(const RosOptions& options, ThreadWatch& watch, 
 
 PublisherThread::Output& PublisherThread::add_output(const std::string& topic,
                                                      std::unique_ptr<MessageMaker> maker, std::size_t depth) {
-  return outputs_.emplace_back(topic, std::move(maker), queue_.add_slot(depth), depth);
+  return outputs_.emplace_back(topic, std::move(maker), block_ ? least_depth : depth);
 }
 
-void PublisherThread::set_topics(const std::vector<OutputTopic>& topics) {
-  const std::lock_guard lock(list_mutex_);
-  for (Output& output : outputs_) output.wanted = &output == &tf_ || (&output == &clock_ && with_clock_);
-  outputs_of_topics_.assign(topics.size(), nullptr);
+void PublisherThread::set_topics(Worker worker, const std::vector<OutputTopic>& topics) {
+  const std::lock_guard lock(mutex_);
+  for (Output& output : outputs_)
+    if (output.worker == worker && &output != &tf_ && &output != &clock_) output.wanted = false;
+  auto& outputs = outputs_of_topics_[static_cast<std::size_t>(worker)];
+  outputs.assign(topics.size(), nullptr);
   for (const OutputTopic& topic : topics) {
-    if (topic.worker != worker_) continue;
+    if (topic.worker != worker) continue;
     const MessageRow& row = row_of(topic);
     auto maker = row.maker();
     const auto same = [&](const Output& one) {
@@ -153,33 +181,90 @@ void PublisherThread::set_topics(const std::vector<OutputTopic>& topics) {
     const auto known = std::find_if(outputs_.begin(), outputs_.end(), same);
     Output& output =
         known != outputs_.end() ? *known : add_output(topic.name, std::move(maker), row.queue_depth);
+    output.worker = worker;
     output.wanted = true;
-    outputs_of_topics_.at(topic.id) = &output;
+    outputs.at(topic.id) = &output;
   }
 }
 
 std::vector<PublisherThread::Output*> PublisherThread::outputs() {
-  const std::lock_guard lock(list_mutex_);
+  const std::lock_guard lock(mutex_);
   std::vector<Output*> all;
   for (Output& output : outputs_) all.push_back(&output);
   return all;
 }
 
-PublisherThread::Output& PublisherThread::output_of(const QueuedFrame& frame) {
-  const std::lock_guard lock(list_mutex_);
-  return outputs_[frame.slot];
+/// True if a frame must be dropped to make room.
+bool PublisherThread::must_drop(const Output& output, Stamp released) const {
+  constexpr Span longest_wait = std::chrono::seconds(1);
+  const std::size_t waiting = output.waiting.size();
+  return !block_ && (waiting >= output.depth ||
+                     (waiting >= least_depth && released - output.waiting.front()->released > longest_wait));
+}
+
+void PublisherThread::push(Output& output, const Payload& payload, Stamp released) {
+  std::unique_lock lock(mutex_);
+  if (block_) emptied_.wait(lock, [&] { return stopping_ || output.waiting.size() < output.depth; });
+  if (stopping_) return;
+  while (must_drop(output, released)) {
+    output.free.push_back(output.waiting.front());
+    output.waiting.pop_front();
+    ++output.dropped, ++dropped_;
+  }
+  Frame* const frame = output.free.back();
+  output.free.pop_back();
+  frame->number = ++pushed_;
+  frame->released = released;
+  output.watch.released(released);
+  keep(payload, frame->content);
+  output.waiting.push_back(frame);
+  lock.unlock();
+  filled_.notify_one();
+}
+
+void PublisherThread::skip(const OutputTopic& topic, Stamp released) {
+  ++(ready_ ? published_ : without_ros_);
+  const std::lock_guard lock(mutex_);
+  output_of(topic).watch.released(released);
+}
+
+/// The oldest frame; nullptr if none came for a while, or after stop().
+PublisherThread::Frame* PublisherThread::pop() {
+  std::unique_lock lock(mutex_);
+  Output* oldest = nullptr;
+  filled_.wait_for(lock, between_counts, [&] {
+    for (Output& one : outputs_) {
+      if (one.waiting.empty()) continue;
+      if (oldest == nullptr || one.waiting.front()->number < oldest->waiting.front()->number) oldest = &one;
+    }
+    return stopping_ || oldest != nullptr;
+  });
+  if (stopping_ || oldest == nullptr) return nullptr;
+  Frame* const frame = oldest->waiting.front();
+  oldest->waiting.pop_front();
+  lock.unlock();
+  emptied_.notify_all();
+  return frame;
+}
+
+void PublisherThread::give_back(Frame& frame, bool is_published) {
+  const Span latency = clock_step_->steady(wall_clock()) - frame.released;
+  const std::lock_guard lock(mutex_);
+  if (is_published) frame.output->watch.published(latency);
+  frame.output->free.push_back(&frame);
 }
 
 void PublisherThread::start() {
-  thread_ = std::thread([this] {
-    if (worker_ == Worker::clouds) yield_this_thread();
-    run();
-  });
+  thread_ = std::thread([this] { run(); });
 }
 
 void PublisherThread::stop() {
-  stopping_ = true;
-  queue_.stop();
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  filled_.notify_all();
+  emptied_.notify_all();
   if (thread_.joinable()) thread_.join();
 }
 
@@ -198,21 +283,14 @@ void PublisherThread::advertise() {
   for (Output* const output : outputs()) {
     if (output->wanted && !output->publisher) {
       replace_publisher(*output, output->make());
-    } else if (!output->wanted && output->publisher && queue_.idle(output->slot)) {
+    } else if (!output->wanted && output->publisher) {
       replace_publisher(*output, {});
-      queue_.release(output->slot);
+      // The memory of clouds.
+      const std::lock_guard lock(mutex_);
+      for (Frame* const frame : output->free) frame->content = {};
     }
   }
   ready_ = true;
-}
-
-void PublisherThread::advertise_again(const std::vector<std::string>& topics) {
-  for (Output* const output : outputs()) {
-    if (!output->publisher || std::find(topics.begin(), topics.end(), output->topic) == topics.end())
-      continue;
-    replace_publisher(*output, {});
-    replace_publisher(*output, output->make());
-  }
 }
 
 void PublisherThread::withdraw(bool leave) {
@@ -220,8 +298,11 @@ void PublisherThread::withdraw(bool leave) {
   for (Output* const output : outputs()) replace_publisher(*output, {}, leave);
 }
 
-TopicFigures PublisherThread::figures_of(const Output& output, Stamp now) const {
-  TopicFigures figures = queue_.figures(output.slot, now);
+TopicFigures PublisherThread::figures_of(const Output& output, Stamp now) {
+  std::unique_lock lock(mutex_);
+  TopicFigures figures = output.watch.figures(now);
+  figures.dropped = output.dropped;
+  lock.unlock();
   figures.lost = output.lost;
   figures.loses = output.loses();
   return figures;
@@ -243,10 +324,10 @@ void PublisherThread::add_diagnostics(std::vector<DiagnosticItem>& items, Stamp 
 }
 
 std::size_t PublisherThread::in_flight() {
-  std::size_t sum = queue_.idle() ? 0 : 1;
+  std::size_t sum = 0;
   for (Output* const output : outputs()) {
-    const std::lock_guard lock(send_mutex_);
-    sum += output->in_flight();
+    const std::scoped_lock lock(mutex_, send_mutex_);
+    sum += output->frames.size() - output->free.size() + output->in_flight();
   }
   return sum;
 }
@@ -265,23 +346,23 @@ void PublisherThread::count_subscribers() {
 void PublisherThread::run() {
   auto counted = Clock::now();
   while (!stopping_) {
-    watch_.tick(number_);
-    QueuedFrame* const frame = queue_.pop(between_counts);
+    watch_.tick(ThreadWatch::publishing);
+    Frame* const frame = pop();
     if (const auto now = Clock::now(); now - counted >= between_counts) {
       count_subscribers();
       counted = now;
     }
     if (frame == nullptr) continue;
-    if (block_) wait_for_subscribers_of(*frame);
-    const bool sent = send(*frame);
-    ++(sent ? published_ : without_ros_);
-    sent ? queue_.published(frame, clock_step_->steady(wall_clock())) : queue_.done(frame);
+    if (block_) wait_for_subscribers_of(*frame->output);
+    const bool is_sent = send(*frame);
+    ++(is_sent ? published_ : without_ros_);
+    give_back(*frame, is_sent);
   }
 }
 
 /// Converts and publishes; false if nothing is advertised.
-bool PublisherThread::send(QueuedFrame& frame) {
-  Output& output = output_of(frame);
+bool PublisherThread::send(Frame& frame) {
+  Output& output = *frame.output;
   const std::lock_guard lock(send_mutex_);
   if (output.latched) output.latest = output.maker->make(frame.payload(), frame.released, *clock_step_);
   if (!ready_ || !ros::ok() || !output.publisher) return false;
@@ -289,10 +370,9 @@ bool PublisherThread::send(QueuedFrame& frame) {
   return true;
 }
 
-void PublisherThread::wait_for_subscribers_of(const QueuedFrame& frame) {
-  Output& output = output_of(frame);
+void PublisherThread::wait_for_subscribers_of(Output& output) {
   const auto keeps_up = [&] {
-    watch_.tick(number_);
+    watch_.tick(ThreadWatch::publishing);
     const std::lock_guard lock(send_mutex_);
     return stopping_ || ((ready_ || output.latched) && output.in_flight() < most_in_flight);
   };

@@ -4,8 +4,11 @@
 
 #include <ros/publisher.h>
 
+#include <array>
 #include <atomic>
 #include <boost/shared_array.hpp>
+#include <condition_variable>
+#include <cstdint>
 #include <deque>
 #include <functional>
 #include <memory>
@@ -13,9 +16,10 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <variant>
 #include <vector>
 
-#include "daemon/live/frame_queue.h"
+#include "daemon/live/topic_watch.h"
 #include "daemon/ros/master/environment.h"
 #include "daemon/ros/master/thread_watch.h"
 #include "daemon/ros/out/message_rows.h"
@@ -27,67 +31,76 @@ namespace lidard {
 ros::Publisher make_publisher(const std::string& topic, const MessageType& type, std::size_t queue_size,
                               bool latched, const ros::SubscriberStatusCallback& on_subscriber = {});
 
-/// Publishes the frames of one worker: a bounded queue, the publishers, and a thread that converts and
-/// publishes. The calls of FrameSink never wait (unless Backpressure::block), and come from one thread.
+/// Publishes the frames of all workers: a bounded queue for each topic, its publisher, and a thread that
+/// converts and publishes in the order in which the frames came. Live, what has waited for a second makes
+/// room for what comes. Frames and their buffers are recycled: no allocation after warm-up. The calls of
+/// FrameSink never wait (unless Backpressure::block); those on the topics of a worker come from its thread.
 class PublisherThread final : public FrameSink {
  public:
-  using OnDiagnostics = std::function<void(const std::vector<DiagnosticItem>&)>;
+  using OnDiagnostics = std::function<void(Worker, const std::vector<DiagnosticItem>&)>;
 
   /// `watch` must outlive this.
-  PublisherThread(const RosOptions& options, ThreadWatch& watch, Worker worker, OnDiagnostics on_diagnostics);
+  PublisherThread(const RosOptions& options, ThreadWatch& watch, OnDiagnostics on_diagnostics);
   ~PublisherThread() override { stop(); }
 
-  /// From the next call of publish() on the topics are those of the worker among these. A topic that stays
-  /// keeps its queue, its figures and its subscribers; frames waiting on a removed one are published first.
-  void set_topics(const std::vector<OutputTopic>& topics);
+  /// From the next call of publish() on the topics of the worker are those among these. A topic that stays
+  /// keeps its queue, its figures and its subscribers.
+  void set_topics(Worker worker, const std::vector<OutputTopic>& topics);
   void start();
   /// Publishes nothing any more.
   void stop();
 
+  /// Swaps the points_bytes of a cloud with a recycled buffer.
   void publish(const OutputTopic& topic, const Payload& payload, Stamp released) override {
-    queue_.push(outputs_of_topics_[topic.id]->slot, payload, released);
+    push(output_of(topic), payload, released);
   }
-  bool wants(const OutputTopic& topic) const override {
-    return block_ || *outputs_of_topics_[topic.id]->has_subscribers;
-  }
-  void skip(const OutputTopic& topic, Stamp released) override {
-    queue_.skip(outputs_of_topics_[topic.id]->slot, released);
-    ++(ready_ ? published_ : without_ros_);
-  }
+  bool wants(const OutputTopic& topic) const override { return block_ || *output_of(topic).has_subscribers; }
+  void skip(const OutputTopic& topic, Stamp released) override;
   void transforms(const std::vector<StaticTransform>& transforms, Stamp released) override {
-    queue_.push(tf_.slot, transforms, released);
+    push(tf_, transforms, released);
   }
-  void diagnostics(const std::vector<DiagnosticItem>& items, Stamp) override { on_diagnostics_(items); }
+  void diagnostics(const std::vector<DiagnosticItem>& items, Stamp, Worker worker) override {
+    on_diagnostics_(worker, items);
+  }
   /// The time of a replay, on /clock.
-  void publish_clock(Stamp now) { queue_.push(clock_.slot, now, now); }
+  void publish_clock(Stamp now) { push(clock_, now, now); }
 
-  // For the master thread; these three may wait for the master.
+  // For the master thread; these two may wait for the master.
   /// Advertises new topics, and withdraws removed ones.
   void advertise();
-  /// Withdraws topics and advertises them anew, so that subscribers see a new publisher. Frames of these
-  /// topics are lost meanwhile.
-  void advertise_again(const std::vector<std::string>& topics);
   /// Withdraws everything. `leave`: without roscpp's destructors, which wait for the master.
   void withdraw(bool leave);
 
   // For any thread; roscpp does not block these.
   /// True if the topics are advertised.
   bool ready() const { return ready_; }
-  /// Figures of a topic; `now` as FrameQueue::figures().
+  /// Figures of a topic.
   TopicFigures figures(const std::string& topic, Stamp now);
   /// Adds an item for each topic with frames.
   void add_diagnostics(std::vector<DiagnosticItem>& items, Stamp now);
   /// Of all topics of frames, as counted last.
   std::size_t subscribers() const { return subscribers_; }
   std::uint64_t published() const { return published_; }
-  std::uint64_t dropped() const { return queue_.dropped(); }
+  std::uint64_t dropped() const { return dropped_; }
   std::uint64_t without_ros() const { return without_ros_; }
   /// Messages that have not reached the sockets of all subscribers. roscpp may block it.
   std::size_t in_flight();
 
  private:
+  struct Output;
+  /// A frame that waits for the thread; a Stamp is the time of a replay.
+  struct Frame {
+    Output* output = nullptr;
+    std::uint64_t number = 0;
+    Stamp released{};
+    std::variant<PlanarScan, Cloud, MergedCloud, DeviceMessage, std::vector<StaticTransform>, Stamp>
+        content{};
+    Payload payload() {
+      return std::visit([](auto& held) { return Payload(held); }, content);
+    }
+  };
   struct Output {
-    Output(std::string name, std::unique_ptr<MessageMaker> makes, std::size_t queue_slot, std::size_t depth);
+    Output(std::string name, std::unique_ptr<MessageMaker> makes, std::size_t depth);
 
     ros::Publisher make() const;
     void send(const Payload& payload, Stamp released, const ClockStep& clock);
@@ -96,15 +109,22 @@ class PublisherThread final : public FrameSink {
 
     const std::string topic;
     const std::unique_ptr<MessageMaker> maker;  // of the publishing thread
-    const std::size_t slot;                     // of the queue
+    const std::size_t depth;                    // frames that may wait
     const std::size_t
         queue_size;  // messages that roscpp keeps for a slow subscriber before it drops the oldest
     // Shared with roscpp, which may outlive this.
     const std::shared_ptr<std::atomic<bool>> has_subscribers = std::make_shared<std::atomic<bool>>(false);
+    Worker worker = Worker::sensors;
     std::atomic<bool> wanted{true};
     std::atomic<std::uint64_t> lost{0};  // messages that a subscriber has not got
     std::atomic<std::chrono::steady_clock::time_point> lost_at{std::chrono::steady_clock::time_point()};
     bool latched = false;
+    // Guarded by mutex_:
+    std::vector<Frame> frames;
+    std::deque<Frame*> waiting;
+    std::vector<Frame*> free;
+    std::uint64_t dropped = 0;
+    TopicWatch watch;
     // Guarded by send_mutex_:
     ros::Publisher publisher;
     std::deque<boost::shared_array<std::uint8_t>> sent;  // buffers that roscpp may still hold
@@ -113,30 +133,35 @@ class PublisherThread final : public FrameSink {
 
   Output& add_output(const std::string& topic, std::unique_ptr<MessageMaker> maker, std::size_t depth);
   std::vector<Output*> outputs();
-  Output& output_of(const QueuedFrame& frame);
-  TopicFigures figures_of(const Output& output, Stamp now) const;
+  Output& output_of(const OutputTopic& topic) const {
+    return *outputs_of_topics_[static_cast<std::size_t>(topic.worker)][topic.id];
+  }
+  bool must_drop(const Output& output, Stamp released) const;
+  void push(Output& output, const Payload& payload, Stamp released);
+  Frame* pop();
+  void give_back(Frame& frame, bool is_published);
+  TopicFigures figures_of(const Output& output, Stamp now);
   void replace_publisher(Output& output, ros::Publisher next, bool leave = false);
   void run();
-  bool send(QueuedFrame& frame);
-  void wait_for_subscribers_of(const QueuedFrame& frame);
+  bool send(Frame& frame);
+  void wait_for_subscribers_of(Output& output);
   void count_subscribers();
 
   const bool block_, with_clock_;
   ThreadWatch& watch_;
   const std::shared_ptr<const ClockStep> clock_step_;
-  const Worker worker_;
-  const ThreadWatch::Thread number_;
   const OnDiagnostics on_diagnostics_;
-  FrameQueue queue_;
-  std::mutex list_mutex_;
-  std::deque<Output> outputs_;              // by slot; guarded by list_mutex_
-  std::vector<Output*> outputs_of_topics_;  // by OutputTopic::id, of the thread that calls publish();
-                                            // nullptr: of the other worker
+  std::mutex mutex_;
+  std::condition_variable filled_, emptied_;
+  std::deque<Output> outputs_;  // guarded by mutex_, which their addresses do not need
+  std::uint64_t pushed_ = 0;    // guarded by mutex_
+  // By worker, whose thread uses it, and OutputTopic::id; nullptr: of the other worker.
+  std::array<std::vector<Output*>, workers> outputs_of_topics_;
   Output &tf_, &clock_;
   std::mutex send_mutex_;
   std::atomic<bool> ready_{false}, stopping_{false};
   std::atomic<std::size_t> subscribers_{0};
-  std::atomic<std::uint64_t> published_{0}, without_ros_{0};
+  std::atomic<std::uint64_t> published_{0}, without_ros_{0}, dropped_{0};
   std::thread thread_;
 };
 

@@ -244,27 +244,6 @@ TEST_F(BlackBoxTest, SaysWhyNothingCanBeWritten) {
   EXPECT_THAT(dump(off, begin), HasSubstr("blackbox: {seconds: 60}"));
 }
 
-TEST_F(BlackBoxTest, SaysThatThereIsNotSoMuchMemory) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  GTEST_SKIP() << "a sanitizer needs more addresses than this test leaves";
-#endif
-  rlimit before{};
-  ASSERT_EQ(getrlimit(RLIMIT_AS, &before), 0);
-  const rlimit little{std::min<rlim_t>(before.rlim_max, 1ULL << 36U), before.rlim_max};
-  setrlimit(RLIMIT_AS, &little);
-  config_.megabytes = 100'000;
-  BlackBox box = this->box();
-  setrlimit(RLIMIT_AS, &before);
-  add(box, begin, "a");
-  EXPECT_THAT(dump(box, begin), HasSubstr("reduce `megabytes`"));
-  EXPECT_THAT(box.item()->message, HasSubstr("reduce `megabytes`"));
-  config_.megabytes = 1;
-  box.configure(config_);
-  add(box, begin, "a");
-  EXPECT_THAT(dump(box, begin), HasSubstr(".pcap"));
-  EXPECT_EQ(box.item()->health, Health::ok);
-}
-
 /// No file grows beyond 100 kB, as on a disk that is full.
 struct FullDisk {
   FullDisk() {
@@ -304,51 +283,6 @@ TEST_F(BlackBoxTest, OnAFullDiskNothingOlderIsRemovedAndNothingHalfWrittenIsLeft
   EXPECT_EQ(read_capture(path).payloads.size(), 1001U) << "what could not be written is still kept";
   EXPECT_FALSE(fs::exists(old));
   EXPECT_EQ(box.item()->health, Health::ok);
-}
-
-TEST_F(BlackBoxTest, AnHourWithThreeIncidentsAMinuteAndDumpsBetween) {
-  config_.seconds = 60;
-  config_.megabytes = 16;
-  BlackBox box = this->box();
-  const std::string payload(1000, 'x');
-  std::vector<Stamp> incidents, in_a_capture;
-  std::size_t captures = 0, dumps = 0;
-  std::string first_capture;
-  std::vector<Stamp> waiting;
-  const auto read_new = [&] {
-    const test::Contents found = read_capture((folder_ / files().at(files().size() - 1)).string());
-    ++captures;
-    for (const Stamp at : waiting)
-      if (found.stamps.front() <= at && at <= found.stamps.back()) in_a_capture.push_back(at);
-    if (first_capture.empty()) first_capture = (folder_ / files().back()).string();
-  };
-  for (int tenth = 0; tenth < 36'000; ++tenth) {
-    const Stamp now = begin + milliseconds(100 * tenth);
-    for (int i = 0; i < 10; ++i) add(box, now + milliseconds(i), payload);
-    if (tenth % 200 == 150) {
-      box.incident(now, tenth % 400 == 150 ? "front" : "rear");
-      incidents.push_back(now);
-      waiting.push_back(now);
-    }
-    if (writes(box, now)) {
-      read_new();
-      waiting.clear();
-    }
-    if (tenth % 3000 == 2999) {
-      EXPECT_THAT(dump(box, now), HasSubstr(".pcap"));
-      ++dumps;
-    }
-  }
-  EXPECT_EQ(incidents.size(), 180U);
-  EXPECT_EQ(dumps, 12U);
-  EXPECT_GE(captures, 55U);
-  // The newest ones are still to be written.
-  EXPECT_GE(in_a_capture.size() + 4, incidents.size());
-  in_a_capture.resize(std::min(in_a_capture.size(), incidents.size()));
-  incidents.resize(in_a_capture.size());
-  EXPECT_EQ(in_a_capture, incidents);
-  EXPECT_TRUE(fs::exists(first_capture)) << "of the first incident";
-  EXPECT_EQ(files().size(), 20U);
 }
 
 }  // namespace

@@ -21,6 +21,14 @@ TEST(TopicWatch, TellsTheMedianAndTheTailOfLatencies) {
   EXPECT_EQ(figures.longest_latency, milliseconds(200));
 }
 
+TEST(TopicWatch, CountsNoLatencyOverAStepThatNobodyHasNoticedYet) {
+  TopicWatch watch;
+  for (const Span latency : {Span(milliseconds(3)), Span(std::chrono::hours(1)), Span(-milliseconds(1))})
+    watch.published(latency);
+  EXPECT_EQ(watch.figures(begin).longest_latency, milliseconds(3));
+  EXPECT_EQ(watch.figures(begin).median_latency, milliseconds(3));
+}
+
 TEST(TopicWatch, ForgetsLatenciesOfLongAgo) {
   TopicWatch watch;
   watch.published(std::chrono::seconds(9));

@@ -131,7 +131,7 @@ TEST(MergedCloud, OfASourceWithoutPoseSaysSo) {
       "merged_clouds: {around: {sources: [a, b]}}\n");
   for (int at = 100; at <= 2000; at += 100) turn(bench, "a", ms(at)), turn(bench, "b", ms(at + 10));
   EXPECT_GT(bench.sink.count("around"), 10U);
-  EXPECT_EQ(bench.pipeline.why_missing("around"), "no pose for source b: no tf from b to base_link");
+  EXPECT_EQ(bench.pipeline.why_missing("around"), "publishing without b: no tf from b to base_link");
   bench.tf.set("base_link", "b", make_pose({0, 0, 1}, {0, 0, 0}));
   for (int at = 2100; at <= 2200; at += 100) turn(bench, "a", ms(at)), turn(bench, "b", ms(at + 10));
   EXPECT_EQ(count_of(bench.sink.merged_clouds["around"].back(), 1), 100U);

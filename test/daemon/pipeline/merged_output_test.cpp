@@ -21,7 +21,7 @@ using test::round_scan;
 using testing::HasSubstr;
 using testing::MatchesRegex;
 
-TEST(MergedOutput, AgeOfASourceCountsFromItsLastRayAndLatencyFromTheStamp) {
+TEST(MergedOutput, AgeOfASourceCountsFromItsLastRay) {
   PipelineBench bench(two_sources("deadline: 0.01"));
   for (double at = 100; at <= 1000; at += 100) {
     sweep(bench, "a", ms(at));
@@ -33,22 +33,19 @@ TEST(MergedOutput, AgeOfASourceCountsFromItsLastRayAndLatencyFromTheStamp) {
   // The instant of an output is the first ray of its newest sweep; it came out with the last one.
   expect_near(bench.sink.scans["m"].back().stamp, bench_begin + ms(1007) - sweep_time);
   EXPECT_EQ(bench.sink.released["m"].back(), bench_begin + ms(1007));
-  EXPECT_EQ(bench.value("merged m", "Latency (ms)", now), "80.0");
-  EXPECT_EQ(bench.value("merged m", "Skew of the sources (ms)", now), "7.0");
 }
 
-TEST(MergedOutput, SkewAndStampDoNotDependOnTheOrderOfTheSources) {
+TEST(MergedOutput, StampDoesNotDependOnTheOrderOfTheSources) {
   for (const bool a_first : {false, true}) {
     PipelineBench bench(two_sources(""));
     sweep(bench, a_first ? "a" : "b", ms(100));
     sweep(bench, a_first ? "b" : "a", ms(112));
     ASSERT_EQ(bench.sink.count("m"), 1U);
     expect_near(bench.sink.scans["m"].back().stamp, bench_begin + ms(112) - sweep_time);
-    EXPECT_EQ(bench.value("merged m", "Skew of the sources (ms)", bench_begin + ms(112)), "12.0");
   }
 }
 
-TEST(MergedOutput, StampsOfAnotherClockHaveNoLatencyAndTheirAgeCountsFromTheArrival) {
+TEST(MergedOutput, AgeOfStampsOfAnotherClockCountsFromTheArrival) {
   PipelineBench bench(two_sources("deadline: 0.01"));
   const Span simulated = std::chrono::hours(200'000);
   for (double at = 100; at <= 1000; at += 100) {
@@ -57,7 +54,6 @@ TEST(MergedOutput, StampsOfAnotherClockHaveNoLatencyAndTheirAgeCountsFromTheArri
                  bench_begin + ms(at));
   }
   const Stamp now = bench_begin + ms(1030);
-  EXPECT_EQ(bench.value("merged m", "Latency (ms)", now), "stamps are of another clock");
   EXPECT_EQ(bench.value("merged m", "Source a", now), "ok, 10.0 Hz, age 30 ms");
   EXPECT_EQ(bench.sink.count("m"), 10U);
 }
@@ -73,30 +69,6 @@ TEST(MergedOutput, StatusTopicNeverSaysMoreThanRangeMax) {
   EXPECT_EQ(known.frame_id, "base_link");
   for (std::size_t i = 0; i < known.beams; ++i) EXPECT_LE(known.ranges[i], 20) << i;
   EXPECT_GT(std::count(known.ranges.begin(), known.ranges.end(), 20), 350) << "nearly all of it is free";
-}
-
-TEST(MergedOutput, SharesOfTheBeamsAreThoseOfTheNewestScan) {
-  PipelineBench bench(two_sources("profile: strict"));
-  // One half sees a wall, a quarter sees through, a quarter observes nothing.
-  PlanarScan scan = round_scan("a", bench_begin, 5, 720);
-  for (std::size_t i = 360; i < 540; ++i) scan.set_without_hit(i, BeamStatus::none);
-  for (std::size_t i = 540; i < 720; ++i) scan.set_without_hit(i, BeamStatus::invalid);
-  bench.give("a", scan, bench_begin);
-  scan.frame_id = "b";
-  bench.give("b", scan, bench_begin);
-  const PlanarScan& merged = bench.sink.scans["m"].at(0);
-  const auto share = [&](BeamStatus status) {
-    const auto n = std::count(merged.statuses.begin(), merged.statuses.end(), status);
-    char text[16];
-    std::snprintf(text, sizeof text, "%.1f %%", static_cast<double>(n) / 3.6);
-    return std::string(text);
-  };
-  EXPECT_EQ(bench.value("merged m", "Beams with a hit", bench_begin), share(BeamStatus::hit));
-  EXPECT_EQ(bench.value("merged m", "Beams free", bench_begin), share(BeamStatus::none));
-  EXPECT_EQ(bench.value("merged m", "Beams unobserved", bench_begin), share(BeamStatus::invalid));
-  EXPECT_NEAR(
-      static_cast<double>(std::count(merged.statuses.begin(), merged.statuses.end(), BeamStatus::hit)), 180,
-      3);
 }
 
 OutputScanConfig changed(const PipelineBench& bench, std::size_t beams) {
@@ -185,15 +157,15 @@ TEST(MergedOutput, NamesAStaleSourceAsAWarningAndALostOneAsAnError) {
     }
     return late.item("merged m", bench_begin + ms(end + 10));
   };
-  EXPECT_EQ(until(100, 3100).health, Health::ok) << "it is stale from 2150 on, for less than a second";
-  const DiagnosticItem stale = until(3200, 3300);
+  EXPECT_EQ(until(100, 2900).health, Health::ok) << "it is stale from 2150 on, for less than ten outputs";
+  const DiagnosticItem stale = until(3000, 3300);
   EXPECT_EQ(stale.health, Health::warn);
   EXPECT_EQ(stale.message, "publishing without b, whose sweeps are too old");
   EXPECT_EQ(test::value_of(stale, "Sources lost"), "");
 }
 
-TEST(MergedOutput, CallsASourceStaleOnceThatIsSoMoreOftenThanNotForASecond) {
-  // A busy machine: the sweeps of b come in 60 ms late now and then, and then too late in general.
+TEST(MergedOutput, RaisesNoAlarmOfASourceThatIsStaleForMilliseconds) {
+  // A busy machine: the sweeps of b come in 60 ms late now and then.
   PipelineBench bench(two_sources("lost_after: 5"));
   std::vector<std::pair<double, Health>> states;
   bench.pipeline.add_diagnostics([&](std::vector<DiagnosticItem>& items) {
@@ -223,26 +195,6 @@ TEST(MergedOutput, CallsASourceStaleOnceThatIsSoMoreOftenThanNotForASecond) {
   }
   EXPECT_EQ(states.size(), well) << "stale for milliseconds, ten times";
   EXPECT_GE(bench.value("merged m", "Sources waited for in vain", bench_begin + ms(12000)), "1");
-}
-
-TEST(ReportedState, StaysForASecondUnlessTheSourceIsLost) {
-  ReportedState state;
-  EXPECT_TRUE(state.update(SourceState::ok, ms(10)));
-  for (int i = 0; i < 1000; ++i) {
-    EXPECT_FALSE(state.update(i % 2 == 0 ? SourceState::stale : SourceState::ok, ms(10))) << "to and fro";
-  }
-  int steps = 0;
-  while (!state.update(SourceState::stale, ms(10))) ++steps;
-  EXPECT_EQ(state.state(), SourceState::stale);
-  EXPECT_EQ(steps, 99);
-  for (steps = 0; !state.update(SourceState::ok, ms(10));) ++steps;
-  EXPECT_EQ(state.state(), SourceState::ok);
-  EXPECT_EQ(steps, 99);
-  EXPECT_TRUE(state.update(SourceState::lost, ms(10))) << "at once";
-  EXPECT_TRUE(state.update(SourceState::stale, ms(10))) << "back, but still of no use";
-  EXPECT_EQ(state.state(), SourceState::stale);
-  EXPECT_TRUE(state.update(SourceState::lost, ms(10)));
-  EXPECT_TRUE(state.update(SourceState::ok, ms(10)));
 }
 
 TEST(MergedOutput, CountsWhatItWaitedForInVain) {
@@ -297,9 +249,9 @@ TEST(MergedOutput, OwnBodyIsLeftOutWhereverTheOutputFrameStands) {
 }
 
 TEST(MergedOutput, FurtherScansHaveTheUsualEncodingsAndTheSameStamp) {
-  PipelineBench bench(two_sources(
-      "profile: strict, empty: zero, unobserved: minus_inf, cloud_destination_topic: cloud, "
-      "also: {safe: {profile: safety}, flat: flatten}"));
+  PipelineBench bench(
+      two_sources("profile: strict, empty: zero, unobserved: minus_inf, cloud_destination_topic: cloud, "
+                  "also: {safe: {profile: safety}, flat: flatten}"));
   sweep(bench, "a", ms(100));
   sweep(bench, "b", ms(100));
   const PlanarScan& own = bench.sink.scans["m"].at(0);
@@ -322,16 +274,12 @@ TEST(MergedOutput, FurtherScansHaveTheUsualEncodingsAndTheSameStamp) {
 TEST(MergedOutput, SaysWhyNothingCameForEachOfItsTopics) {
   PipelineBench bench(
       two_sources("cloud_destination_topic: cloud, status_topic: known, also: {safe: safety}"));
-  const std::string both =
-      "source a gave no scans (no message came on /a, which another node publishes); source b gave no scans "
-      "(no message came on /b, which another node publishes)";
   for (const char* topic : {"m", "cloud", "known", "safe"})
-    EXPECT_EQ(bench.pipeline.why_missing(topic), both) << topic;
+    EXPECT_EQ(bench.pipeline.why_missing(topic), "no output: no input has come in yet") << topic;
   EXPECT_EQ(bench.pipeline.why_missing("other"), "");
   sweep(bench, "b", ms(100));
-  EXPECT_EQ(bench.pipeline.why_missing("m"),
-            "source a gave no scans (no message came on /a, which another node publishes)");
   sweep(bench, "a", ms(100));
+  bench.pipeline.tick(bench_begin + ms(110));
   EXPECT_EQ(bench.pipeline.why_missing("m"), "");
 }
 
@@ -359,10 +307,8 @@ TEST(MergedOutput, ASweepWithoutAPlaceIsCountedAndItsSourceNamed) {
     bench.give("a", round_scan("lost_frame", bench_begin + ms(100 * i)), bench_begin + ms(100 * i));
   EXPECT_EQ(bench.value("merged m", "Inputs without pose", bench_begin + ms(300)), "3");
   EXPECT_THAT(bench.item("merged m", bench_begin + ms(300)).message, HasSubstr("no tf from lost_frame"));
-  EXPECT_THAT(bench.pipeline.why_missing("m"), HasSubstr("no pose for source a: no tf from lost_frame"));
   bench.tf.set("base_link", "lost_frame", Pose::Identity());
   bench.give("a", round_scan("lost_frame", bench_begin + ms(300)), bench_begin + ms(300));
-  EXPECT_THAT(bench.pipeline.why_missing("m"), testing::Not(HasSubstr("no pose")));
   EXPECT_EQ(bench.value("merged m", "Inputs without pose", bench_begin + ms(300)), "3");
 }
 

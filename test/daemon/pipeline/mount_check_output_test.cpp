@@ -52,7 +52,7 @@ DiagnosticItem status_after(double seconds, double yaw_deg, double x) {
     now = now + std::chrono::milliseconds(40);
     pipeline.tick(now);
   }
-  sink.diagnostics(pipeline.diagnostics(now), now);
+  sink.diagnostics(pipeline.diagnostics(now), now, Worker::sensors);
   return sink.item("merged around");
 }
 

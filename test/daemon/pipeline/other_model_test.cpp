@@ -104,22 +104,5 @@ TEST(UnknownSenders, AreForgottenAMinuteAfterTheirLastPacket) {
   EXPECT_THAT(reported(70'100), HasSubstr("(3 packets)"));
 }
 
-TEST(UnknownSenders, MakeRoomForNewOnesWhenTheyAreGone) {
-  UnknownSenders senders;
-  const auto send = [&](int last, double time) {
-    Packet packet;
-    packet.from.address = IpAddress::v4(10, 0, 0, static_cast<std::uint8_t>(last));
-    packet.to.port = 2368;
-    packet.arrival = test::bench_begin + ms(time);
-    senders.note(packet);
-  };
-  for (int i = 0; i < 40; ++i) send(i, 0);
-  EXPECT_EQ(senders.names().size(), 33U) << "32 and the rest";
-  send(50, 59'000);
-  EXPECT_EQ(senders.sender_to(2368, test::bench_begin + ms(58'000)), "");
-  send(50, 61'000);
-  EXPECT_EQ(senders.sender_to(2368, test::bench_begin + ms(58'000)), "10.0.0.50 -> port 2368 (1 packets)");
-}
-
 }  // namespace
 }  // namespace lidard

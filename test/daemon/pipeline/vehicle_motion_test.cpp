@@ -87,7 +87,9 @@ TEST(VehicleMotion, ShowsItsCountersAndTheLag) {
   for (const double at : {0, 10, 20}) placeless.tell_pose(at, at, "gnss");
   item = placeless.motion.diagnostics(bench_begin).value();
   EXPECT_EQ(item.health, Health::warn);
-  EXPECT_EQ(item.message, "no pose of the vehicle yet; scans are not deskewed: no tf from gnss to base_link");
+  EXPECT_EQ(item.message,
+            "no pose of the vehicle yet, so scans are not deskewed; see that odometry is published: no tf "
+            "from gnss to base_link");
   EXPECT_EQ(test::value_of(item, "Frame not known"), "3");
   EXPECT_EQ(test::value_of(item, "Scans ahead of poses (s)"), "no such key");
 }
@@ -142,7 +144,9 @@ TEST(MotionOfAnImu, WhosePlaceIsNotKnownIsCountedAndNamed) {
   const DiagnosticItem item = bench.item("motion", bench_begin + ms(10));
   EXPECT_EQ(test::value_of(item, "Frame not known"), "2");
   EXPECT_EQ(test::value_of(item, "Knots"), "0");
-  EXPECT_EQ(item.message, "no pose of the vehicle yet; scans are not deskewed: no tf from imu to base_link");
+  EXPECT_EQ(item.message,
+            "no pose of the vehicle yet, so scans are not deskewed; see that odometry is published: no tf "
+            "from imu to base_link");
 }
 
 TEST(MotionOfAnImu, CountsSpeedsAndRatesThatCannotBe) {

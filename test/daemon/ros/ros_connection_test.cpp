@@ -1,10 +1,14 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <diagnostic_msgs/DiagnosticArray.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <ros/publication.h>
+#include <ros/topic_manager.h>
 #include <ros/xmlrpc_manager.h>
 #include <rosgraph_msgs/Clock.h>
 
+#include <algorithm>
 #include <chrono>
 #include <iostream>
 #include <thread>
@@ -57,6 +61,10 @@ bool soon(Condition condition, std::chrono::milliseconds limit = 20s) {
   return condition();
 }
 
+bool have_subscribers(RosConnection& connection, std::size_t count) {
+  return soon([&] { return connection.sink().subscribers() >= count; }, 30s);
+}
+
 TEST(RosConnection, PublishesScansEchoesCloudsAndLatchedTransforms) {
   in_own_process([] {
     RosMaster master;
@@ -69,7 +77,12 @@ TEST(RosConnection, PublishesScansEchoesCloudsAndLatchedTransforms) {
     connection.sink().transforms({{"base_link", "front_laser", make_pose({1, 0, 0}, {0, 0, 0})}},
                                  Stamp{1'000'000'000});
     connection.start();
-    ASSERT_TRUE(connection.wait_for_subscribers(3, 30s));
+    ASSERT_TRUE(have_subscribers(connection, 3));
+    const auto kept_for_a_slow_subscriber = [](const char* topic) {
+      return ros::TopicManager::instance()->lookupPublication(topic)->getMaxQueue();
+    };
+    EXPECT_EQ(kept_for_a_slow_subscriber("/front/scan"), 100U);
+    EXPECT_EQ(kept_for_a_slow_subscriber("/roof/points"), 10U);
     connection.sink().publish(test::front_scan, sample_scan(), Stamp{1});
     connection.sink().publish(test::front_echoes, sample_scan(), Stamp{1});
     auto cloud = sample_cloud(30000);
@@ -103,7 +116,7 @@ TEST(RosConnection, PublishesFixesTimeReferencesAndImuSamples) {
     master.start();
     RosConnection connection({}, sample_topics());
     connection.start();
-    ASSERT_TRUE(connection.wait_for_subscribers(3, 30s));
+    ASSERT_TRUE(have_subscribers(connection, 3));
     connection.sink().publish(test::roof_fix, DeviceMessage(test::sample_fix()), Stamp{1});
     connection.sink().publish(test::roof_time, DeviceMessage(test::sample_time_reference()), Stamp{1});
     for (int i = 0; i < 20; ++i)
@@ -128,8 +141,8 @@ TEST(RosConnection, ReceivesWithoutAMasterAndPublishesSoonAfterItCame) {
     RosConnection connection({}, sample_topics());
     connection.start();
     publish_for(connection, 300ms);
-    EXPECT_FALSE(connection.status().connected);
-    EXPECT_TRUE(soon([&] { return connection.status().without_ros > 1; }));
+    EXPECT_FALSE(connection.sink().ready());
+    EXPECT_TRUE(soon([&] { return connection.sink().without_ros() > 1; }));
     master.start();
     const test::Starved starved;
     const auto begin = SteadyClock::now();
@@ -148,11 +161,11 @@ TEST(RosConnection, RegistersAgainAtAMasterThatWasRestarted) {
     master.start();
     RosConnection connection({}, sample_topics());
     connection.start();
-    ASSERT_TRUE(connection.wait_for_subscribers(1, 30s));
+    ASSERT_TRUE(have_subscribers(connection, 1));
     master.kill();
     publish_for(connection, 200ms);
     ASSERT_TRUE(connection.flush(30s));
-    const std::size_t sent = connection.status().published;
+    const std::size_t sent = connection.sink().published();
     EXPECT_GT(sent, 1U);
     EXPECT_EQ(early.take(sent).size(), sent) << "a connection that exists must not suffer";
     master.start();
@@ -170,7 +183,7 @@ TEST(RosConnection, IsNotDisturbedByAMasterThatHangs) {
     master.start();
     RosConnection connection({}, sample_topics());
     connection.start();
-    ASSERT_TRUE(connection.wait_for_subscribers(1, 30s));
+    ASSERT_TRUE(have_subscribers(connection, 1));
     master.pause();
     const test::Starved starved;
     auto longest = SteadyClock::duration(0);
@@ -182,10 +195,10 @@ TEST(RosConnection, IsNotDisturbedByAMasterThatHangs) {
     }
     EXPECT_LT(longest, surely_not_hanging + starved.time());
     ASSERT_TRUE(connection.flush(30s));
-    const std::size_t sent = connection.status().published;
+    const std::size_t sent = connection.sink().published();
     EXPECT_GT(sent, 50U);
     EXPECT_EQ(listener.take(sent).size(), sent);
-    EXPECT_TRUE(soon([&] { return !connection.status().master; }));
+    EXPECT_TRUE(soon([&] { return !connection.has_master(); }));
     const auto begin = SteadyClock::now();
     EXPECT_FALSE(connection.stop());
     EXPECT_LT(SteadyClock::now() - begin, surely_not_hanging + starved.time());
@@ -201,7 +214,7 @@ TEST(RosConnection, WantsACloudWhileSomebodySubscribesAndCountsThoseThatNobodyGe
     FrameSink& sink = connection.sink();
     EXPECT_FALSE(sink.wants(test::roof_points));
     sink.skip(test::roof_points, Stamp{1});
-    EXPECT_EQ(connection.status().without_ros, 1U);
+    EXPECT_EQ(connection.sink().without_ros(), 1U);
     master.start();
     connection.start();
     EXPECT_TRUE(soon([&] { return sink.wants(test::roof_points); }));
@@ -209,8 +222,8 @@ TEST(RosConnection, WantsACloudWhileSomebodySubscribesAndCountsThoseThatNobodyGe
     listener.reset();
     EXPECT_TRUE(soon([&] { return !sink.wants(test::roof_points); }));
     sink.skip(test::roof_points, Stamp{2});
-    EXPECT_EQ(connection.status().published, 1U);
-    EXPECT_EQ(connection.figures(test::roof_points, Stamp{2}).frames, 2U);
+    EXPECT_EQ(connection.sink().published(), 1U);
+    EXPECT_EQ(connection.sink().figures("roof/points", Stamp{2}).frames, 2U);
     EXPECT_TRUE(connection.stop());
   });
 }
@@ -223,7 +236,7 @@ TEST(RosConnection, LosesNothingInAReplayAsFastAsItGoes) {
     RosConnection connection(blocking(), sample_topics());
     EXPECT_TRUE(connection.sink().wants(test::roof_points));
     connection.start();
-    ASSERT_TRUE(connection.wait_for_subscribers(1, 30s));
+    ASSERT_TRUE(have_subscribers(connection, 1));
     constexpr std::size_t count = 200;
     for (std::size_t i = 0; i < count; ++i) {
       auto cloud = sample_cloud(20000);
@@ -248,7 +261,7 @@ TEST(RosConnection, ShowsDiagnosticsToRostopic) {
     ASSERT_TRUE(connection.wait_for_master(30s));
     connection.sink().diagnostics(
         {{"front", "SN42", Health::warn, "no data for 2 s; check the cable", {{"IP Port", "6060"}}}},
-        Stamp{1});
+        Stamp{1}, Worker::sensors);
     std::string text;
     // The first messages only say that the node starts.
     for (int i = 0; i < 10 && text.find("SN42") == std::string::npos; ++i)
@@ -257,6 +270,30 @@ TEST(RosConnection, ShowsDiagnosticsToRostopic) {
     EXPECT_THAT(text, testing::HasSubstr("hardware_id: \"SN42\""));
     EXPECT_THAT(text, testing::HasSubstr("no data for 2 s; check the cable"));
     EXPECT_THAT(text, testing::HasSubstr("name: \"lidard: ROS\""));
+    EXPECT_TRUE(connection.stop());
+  });
+}
+
+TEST(RosConnection, CallsItemsOfAThreadThatHangsErrors) {
+  in_own_process([] {
+    RosMaster master;
+    Listener<diagnostic_msgs::DiagnosticArray> listener("/diagnostics");
+    master.start();
+    RosOptions aging;
+    aging.longest_report_age = 1s;
+    RosConnection connection(aging, sample_topics());
+    connection.start();
+    ASSERT_TRUE(connection.wait_for_master(30s));
+    for (int i = 0; i < 40; ++i) {
+      connection.sink().diagnostics({{"front", "SN42", Health::ok, "fine", {}}}, Stamp{1}, Worker::sensors);
+      std::this_thread::sleep_for(100ms);
+    }
+    std::vector<std::string> texts;
+    for (int i = 0; i < 100 && (texts.empty() || texts.back() == "fine"); ++i)
+      for (const auto& message : listener.take(1, 200ms))
+        if (message.status.front().hardware_id == "SN42") texts.push_back(message.status.front().message);
+    EXPECT_GE(std::count(texts.begin(), texts.end(), "fine"), 3) << "once a second while it reports";
+    EXPECT_THAT(texts.back(), testing::StartsWith("no report from the sensor thread for 1."));
     EXPECT_TRUE(connection.stop());
   });
 }
@@ -273,7 +310,7 @@ TEST(RosConnection, PublishesTheClockOfAReplay) {
     ASSERT_TRUE(connection.wait_for_master(30s));
     std::vector<rosgraph_msgs::Clock> got;
     for (int i = 0; got.empty() && i < 100; ++i) {
-      connection.publish_clock(Stamp{5'000'000'007});
+      connection.sink().publish_clock(Stamp{5'000'000'007});
       got = listener.take(1, 50ms);
     }
     ASSERT_FALSE(got.empty());
@@ -317,12 +354,12 @@ TEST(RosConnection, ComesBackWhenSomebodyShutsItsNodeDown) {
       ASSERT_TRUE(us);
       std::string error;
       ASSERT_TRUE(xmlrpc_call(*us, "shutdown", arguments, 500ms, error)) << error;
-      EXPECT_TRUE(soon([&] { return connection.status().foreign_stops == static_cast<unsigned>(i); }));
-      EXPECT_TRUE(soon([&] { return connection.status().connected && ros::ok(); }));
-      const auto before = connection.status().published;
+      EXPECT_TRUE(soon([&] { return connection.foreign_stops() == static_cast<unsigned>(i); }));
+      EXPECT_TRUE(soon([&] { return connection.sink().ready() && ros::ok(); }));
+      const auto before = connection.sink().published();
       EXPECT_TRUE(soon([&] {
         connection.sink().publish(test::front_scan, sample_scan(), Stamp{1});
-        return connection.status().published > before;
+        return connection.sink().published() > before;
       }));
     }
     MasterClient client({"127.0.0.1", master.port()}, "/test");

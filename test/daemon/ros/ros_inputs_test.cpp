@@ -89,19 +89,26 @@ class Posted {
   std::vector<RosTask> waiting_;
 };
 
-std::shared_ptr<RosInputs> add_inputs(RosConnection& connection, const std::vector<TopicSource>& sources,
-                                      RosPost post) {
-  auto inputs = std::make_shared<RosInputs>(sources, Worker::sensors, std::move(post));
-  connection.add(inputs);
-  return inputs;
-}
-
 /// A master that has a share of a busy processor may take longer to answer than the connection waits for it.
 void expect_to_stop(RosConnection& connection) {
   const test::Starved starved;
   const bool ended = connection.stop();
   EXPECT_TRUE(ended || starved.time() > 100ms);
 }
+
+/// A connection with inputs from the start to the end of a test.
+struct Inputs : Posted {
+  explicit Inputs(std::initializer_list<TopicSource> sources) : Inputs(sources, post()) {}
+  Inputs(std::vector<TopicSource> sources, RosPost to)
+      : part(std::make_shared<RosInputs>(sources, std::move(to))) {
+    connection.add(part);
+    connection.start();
+  }
+  ~Inputs() { expect_to_stop(connection); }
+
+  RosConnection connection{{}, {}};
+  const std::shared_ptr<RosInputs> part;
+};
 
 sensor_msgs::LaserScan scan_message() {
   sensor_msgs::LaserScan message;
@@ -114,21 +121,15 @@ TEST(RosInputs, FindTheTypeOfATopicAndConvertScans) {
     RosMaster master;
     const Child scans = talker("/rear/scan", scan_message());
     master.start();
-    Posted posted;
-    Seen& seen = posted.seen;
-    RosConnection connection({}, {});
-    const auto inputs = add_inputs(connection, {{"rear", "/rear/scan"}}, posted.post());
-
-    connection.start();
-    EXPECT_TRUE(posted.run_until([&] { return seen.scans.size() >= 3; }));
-    ASSERT_FALSE(seen.scans.empty());
-    EXPECT_EQ(seen.sensor, "rear");
-    EXPECT_EQ(seen.scans[0].stamp, test::sample_scan().stamp);
-    EXPECT_EQ(seen.scans[0].statuses, test::sample_scan().statuses);
-    EXPECT_EQ(inputs->report().at(0).type, "sensor_msgs/LaserScan");
-    EXPECT_EQ(inputs->report().at(0).rejected, 0U);
-    EXPECT_EQ(inputs->diagnostics().at(0).health, Health::ok);
-    expect_to_stop(connection);
+    Inputs inputs({{"rear", "/rear/scan"}});
+    EXPECT_TRUE(inputs.run_until([&] { return inputs.seen.scans.size() >= 3; }));
+    ASSERT_FALSE(inputs.seen.scans.empty());
+    EXPECT_EQ(inputs.seen.sensor, "rear");
+    EXPECT_EQ(inputs.seen.scans[0].stamp, test::sample_scan().stamp);
+    EXPECT_EQ(inputs.seen.scans[0].statuses, test::sample_scan().statuses);
+    EXPECT_EQ(inputs.part->report().at(0).type, "sensor_msgs/LaserScan");
+    EXPECT_EQ(inputs.part->report().at(0).rejected, 0U);
+    EXPECT_EQ(inputs.part->diagnostics().at(0).health, Health::ok);
   });
 }
 
@@ -138,20 +139,14 @@ TEST(RosInputs, ConvertCloudsOfAPublisherThatComesLate) {
     auto cloud = test::sample_cloud(500);
     const auto sent = cloud.points_bytes;
     const sensor_msgs::PointCloud2 message = test::message_of(cloud);
-    Posted posted;
-    Seen& seen = posted.seen;
     const Child clouds = talker("/points", message);  // waits for the master, as we do
-    RosConnection connection({}, {});
-    const auto inputs = add_inputs(connection, {{"roof", "points"}}, posted.post());
-
-    connection.start();
-    EXPECT_FALSE(posted.run_until([&] { return !seen.clouds.empty(); }, 200ms));
-    EXPECT_EQ(inputs->diagnostics().at(0).health, Health::warn);
+    Inputs inputs({{"roof", "points"}});
+    EXPECT_FALSE(inputs.run_until([&] { return !inputs.seen.clouds.empty(); }, 200ms));
+    EXPECT_EQ(inputs.part->diagnostics().at(0).health, Health::warn);
     master.start();
-    EXPECT_TRUE(posted.run_until([&] { return !seen.clouds.empty(); }));
-    ASSERT_FALSE(seen.clouds.empty());
-    EXPECT_EQ(seen.clouds[0].points_bytes, sent);
-    expect_to_stop(connection);
+    EXPECT_TRUE(inputs.run_until([&] { return !inputs.seen.clouds.empty(); }));
+    ASSERT_FALSE(inputs.seen.clouds.empty());
+    EXPECT_EQ(inputs.seen.clouds[0].points_bytes, sent);
   });
 }
 
@@ -163,19 +158,13 @@ TEST(RosInputs, CountAndExplainMessagesTheyCannotUse) {
     const Child scans = talker("/broken", broken);
     const Child strings = talker("/words", std_msgs::String());
     master.start();
-    Posted posted;
-    Seen& seen = posted.seen;
-    RosConnection connection({}, {});
-    const auto inputs = add_inputs(connection, {{"a", "/broken"}, {"b", "/words"}}, posted.post());
-
-    connection.start();
-    EXPECT_TRUE(posted.run_until([&] { return inputs->report()[0].rejected > 2; }));
-    EXPECT_EQ(inputs->report()[0].last_reason,
+    Inputs inputs({{"a", "/broken"}, {"b", "/words"}});
+    EXPECT_TRUE(inputs.run_until([&] { return inputs.part->report()[0].rejected > 2; }));
+    EXPECT_EQ(inputs.part->report()[0].last_reason,
               "number of ranges does not fit angle_min, angle_max and angle_increment");
-    EXPECT_TRUE(posted.run_until([&] { return inputs->report()[1].type == "std_msgs/String"; }));
-    EXPECT_EQ(inputs->report()[1].messages, 0U);
-    EXPECT_TRUE(seen.scans.empty());
-    expect_to_stop(connection);
+    EXPECT_TRUE(inputs.run_until([&] { return inputs.part->report()[1].type == "std_msgs/String"; }));
+    EXPECT_EQ(inputs.part->report()[1].messages, 0U);
+    EXPECT_TRUE(inputs.seen.scans.empty());
   });
 }
 
@@ -190,23 +179,17 @@ TEST(RosInputs, UseScansWithOddIntensitiesOrWithoutRangesAndCountWhatTheyLeaveOu
     const Child odd_scans = talker("/odd", odd);
     const Child empty_scans = talker("/empty", empty);
     master.start();
-    Posted posted;
-    Seen& seen = posted.seen;
-    RosConnection connection({}, {});
-    const auto inputs = add_inputs(connection, {{"a", "/odd"}, {"b", "/empty"}}, posted.post());
-
-    connection.start();
-    EXPECT_TRUE(posted.run_until([&] {
-      const auto report = inputs->report();
-      return report[0].intensities_ignored > 2 && report[1].messages > 2 && seen.scans.size() > 6;
+    Inputs inputs({{"a", "/odd"}, {"b", "/empty"}});
+    EXPECT_TRUE(inputs.run_until([&] {
+      const auto report = inputs.part->report();
+      return report[0].intensities_ignored > 2 && report[1].messages > 2 && inputs.seen.scans.size() > 6;
     }));
-    for (const auto& report : inputs->report()) EXPECT_EQ(report.rejected, 0U) << report.last_reason;
-    EXPECT_EQ(inputs->report()[1].intensities_ignored, 0U);
-    for (const PlanarScan& scan : seen.scans) EXPECT_TRUE(scan.intensities.empty());
+    for (const auto& report : inputs.part->report()) EXPECT_EQ(report.rejected, 0U) << report.last_reason;
+    EXPECT_EQ(inputs.part->report()[1].intensities_ignored, 0U);
+    for (const PlanarScan& scan : inputs.seen.scans) EXPECT_TRUE(scan.intensities.empty());
     using ::testing::Pair;
-    EXPECT_THAT(inputs->diagnostics().at(0).values,
+    EXPECT_THAT(inputs.part->diagnostics().at(0).values,
                 ::testing::Contains(Pair("Intensities ignored", ::testing::Ne("0"))));
-    expect_to_stop(connection);
   });
 }
 
@@ -217,16 +200,12 @@ TEST(RosInputs, DropAndCountWhatASlowSensorThreadDoesNotTake) {
     master.start();
     std::vector<RosTask> never_run;
     std::mutex mutex;
-    RosConnection connection({}, {});
-    const auto inputs = add_inputs(connection, {{"a", "/scan"}}, [&](Worker, RosTask task) {
+    Inputs inputs({{"a", "/scan"}}, [&](Worker, RosTask task) {
       const std::lock_guard lock(mutex);
       never_run.push_back(std::move(task));
     });
-
-    connection.start();
-    Posted nothing;
-    EXPECT_TRUE(nothing.run_until([&] { return inputs->report()[0].dropped > 3; }));
-    expect_to_stop(connection);
+    EXPECT_TRUE(inputs.run_until([&] { return inputs.part->report()[0].dropped > 3; }));
+    EXPECT_TRUE(inputs.connection.stop());
     EXPECT_EQ(never_run.size(), 4U);
   });
 }
@@ -236,24 +215,18 @@ TEST(RosInputs, HearPublishersAgainAfterTheMasterWasRestarted) {
     RosMaster master;
     auto before = talker("/scan", scan_message());
     master.start();
-    Posted posted;
-    Seen& seen = posted.seen;
-    RosConnection connection({}, {});
-    const auto inputs = add_inputs(connection, {{"a", "/scan"}}, posted.post());
-
-    connection.start();
-    ASSERT_TRUE(posted.run_until([&] { return !seen.scans.empty(); }));
+    Inputs inputs({{"a", "/scan"}});
+    ASSERT_TRUE(inputs.run_until([&] { return !inputs.seen.scans.empty(); }));
     before.kill();
     master.kill();
     master.start();
     std::this_thread::sleep_for(600ms);
-    const auto count = seen.scans.size();
+    const auto count = inputs.seen.scans.size();
     const Child after(std::vector<std::string>{
         "/usr/bin/python3", "/usr/bin/rostopic", "pub", "-r", "20", "/scan", "sensor_msgs/LaserScan",
         "{angle_min: 0.0, angle_max: 0.1, angle_increment: 0.1, range_max: "
         "10.0, ranges: [1.0, 2.0]}"});
-    EXPECT_TRUE(posted.run_until([&] { return seen.scans.size() > count + 10; }));
-    expect_to_stop(connection);
+    EXPECT_TRUE(inputs.run_until([&] { return inputs.seen.scans.size() > count + 10; }));
   });
 }
 

@@ -129,6 +129,7 @@ TEST(VelodyneScanMessage, HandsOnEveryPacketWithItsStamp) {
 TEST(VelodyneScanMessage, DefinesItsPacketsAsTheirPackageDoes) {
   EXPECT_THAT(VelodyneScanMessage().message_type().definition,
               testing::EndsWith("=\nMSG: velodyne_msgs/VelodynePacket\ntime stamp\nuint8[1206] data\n"));
+  EXPECT_TRUE(VelodyneScanMessage().message_type().begins_with_header) << "roscpp numbers it";
 }
 
 TEST(VelodyneScanMessage, CutOffAnywhereGivesNoPacket) {
@@ -161,12 +162,11 @@ struct Listening {
   std::mutex mutex;
   std::vector<RosTask> waiting;
   RosConnection connection{{}, {}};
-  std::shared_ptr<RosInputs> inputs =
-      std::make_shared<RosInputs>(std::vector<TopicSource>{{"roof", "/velodyne_packets", true}},
-                                  Worker::sensors, [this](Worker, RosTask task) {
-                                    const std::lock_guard lock(mutex);
-                                    waiting.push_back(std::move(task));
-                                  });
+  std::shared_ptr<RosInputs> inputs = std::make_shared<RosInputs>(
+      std::vector<TopicSource>{{"roof", "/velodyne_packets", true}}, [this](Worker, RosTask task) {
+        const std::lock_guard lock(mutex);
+        waiting.push_back(std::move(task));
+      });
 
   Listening() {
     connection.add(inputs);
