@@ -215,6 +215,7 @@ void RosConnection::master_answered(MasterClient& master, int pid) {
   for (const Component& component : components_) {
     if (stopping_) return;
     component->poll(master);
+    publisher_.advertise_again(component->stale_topics());
   }
 }
 

@@ -23,7 +23,8 @@ merged_scans:
   around: {laserscan_topics: [left, right], destination_frame: base_link, angle_min: -1.5, angle_max: 1.5,
     angle_increment: 0.01, range_max: 20, scan_destination_topic: /around}
 """
-AGAIN = 5
+# With another number of beams a topic is advertised anew. rospy, if it comes back too early, doubles its pauses up to 32 s.
+AGAIN = 15
 ANCESTOR = {"angle_min", "angle_max", "angle_increment", "time_increment", "scan_time", "range_min", "range_max"}
 
 

@@ -35,6 +35,8 @@ class RosComponent {
   /// The master was restarted; the topics of this node are registered elsewhere. Returns the component's
   /// services, to be registered too.
   virtual std::vector<std::string> master_restarted() { return {}; }
+  /// Frame topics to be advertised anew, since the shape of their frames changed.
+  virtual std::vector<std::string> stale_topics() { return {}; }
   virtual std::vector<DiagnosticItem> diagnostics() { return {}; }
   /// Drops all parts kept: nothing calls the component afterwards. May wait for the master, unless `leave`.
   void disconnect(bool leave) {

@@ -66,6 +66,9 @@ std::string flat_source(const MergedScanConfig& merged, const Config& config) {
 ChangeableOutput merged_output(const MergedScanConfig& merged, const Config& config, ReconfigureNames names) {
   ChangeableOutput output;
   output.id = {OutputId::Kind::merged, merged.name};
+  output.topics.push_back(merged.scan_destination_topic);
+  for (const AlsoScanConfig& also : merged.also) output.topics.push_back(also.topic);
+  if (!merged.status_topic.empty()) output.topics.push_back(merged.status_topic);
   output.free_required = merged.free_required;
   output.flat_source = flat_source(merged, config);
   output.config = merged.output;
@@ -78,6 +81,8 @@ ChangeableOutput virtual_output(const VirtualScanConfig& group, const Config& co
   ChangeableOutput output;
   output.id = {OutputId::Kind::virtual_group, group.name};
   output.worker = config.cloud_worker;
+  output.topics = group.virtual_laser_scan;
+  if (!group.output_laser_topic.empty()) output.topics = {group.output_laser_topic};
   output.config = group.output;
   output.items = items_of(output.id.kind, names);
   return output;

@@ -29,6 +29,7 @@ struct ChangeableOutput {
   OutputId id;
   Worker worker = Worker::sensors;     ///< makes it
   std::string server;                  ///< name below the node; empty: the node itself
+  std::vector<std::string> topics;     ///< of its scans
   double free_required = 0;            ///< m; 0: none
   std::string flat_source;             ///< a source without evidence, so that profile is flatten; empty: none
   OutputScanConfig config;             ///< in force

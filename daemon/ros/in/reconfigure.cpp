@@ -64,9 +64,12 @@ struct Server {
     log_info("{}: changed through dynamic_reconfigure; {} beams", name(), beams);
     if (beams != beams_before) {
       ++resized;
+      to_renew = true;
       log_warn("{} has {} beams now, not {}: gmapping refuses scans of another size until it is restarted",
                name(), beams, beams_before);
     }
+    if (beams >= gmapping_beam_limit)
+      log_warn("{} has {} beams; gmapping needs fewer than {}", name(), beams, gmapping_beam_limit);
     apply();
   }
   void refuse(const std::string& why) {
@@ -98,8 +101,9 @@ struct Server {
   ros::Publisher updates;
   ros::Publisher description;
   ros::ServiceServer service;
-  bool to_store = true;  // the values in force are not on the parameter server yet
-  std::string refusal;   // of the newest request
+  bool to_store = true;   // the values in force are not on the parameter server yet
+  bool to_renew = false;  // subscribers must notice the new size of scans
+  std::string refusal;    // of the newest request
   std::uint64_t accepted = 0;
   std::uint64_t refused = 0;
   std::uint64_t resized = 0;
@@ -155,6 +159,15 @@ class RosReconfigure final : public RosComponent {
       services.push_back(server->below("set_parameters"));
     }
     return services;
+  }
+  std::vector<std::string> stale_topics() override {
+    std::vector<std::string> topics;
+    for (const auto& server : servers_) {
+      const std::lock_guard lock(server->mutex);
+      if (!std::exchange(server->to_renew, false)) continue;
+      topics.insert(topics.end(), server->output.topics.begin(), server->output.topics.end());
+    }
+    return topics;
   }
   std::vector<DiagnosticItem> diagnostics() override {
     std::vector<DiagnosticItem> items;

@@ -293,6 +293,15 @@ void PublisherThread::advertise() {
   ready_ = true;
 }
 
+void PublisherThread::advertise_again(const std::vector<std::string>& topics) {
+  for (Output* const output : outputs()) {
+    if (!output->publisher || std::find(topics.begin(), topics.end(), output->topic) == topics.end())
+      continue;
+    replace_publisher(*output, {});
+    replace_publisher(*output, output->make());
+  }
+}
+
 void PublisherThread::withdraw(bool leave) {
   ready_ = false;
   for (Output* const output : outputs()) replace_publisher(*output, {}, leave);

@@ -65,9 +65,12 @@ class PublisherThread final : public FrameSink {
   /// The time of a replay, on /clock.
   void publish_clock(Stamp now) { push(clock_, now, now); }
 
-  // For the master thread; these two may wait for the master.
+  // For the master thread; these three may wait for the master.
   /// Advertises new topics, and withdraws removed ones.
   void advertise();
+  /// Withdraws topics and advertises them anew, so that subscribers see a new publisher. Frames of these
+  /// topics are lost meanwhile.
+  void advertise_again(const std::vector<std::string>& topics);
   /// Withdraws everything. `leave`: without roscpp's destructors, which wait for the master.
   void withdraw(bool leave);
 

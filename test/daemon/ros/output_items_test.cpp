@@ -50,6 +50,8 @@ TEST(OutputItems, HaveAServerForEachEntryOfTheConfiguration) {
   ASSERT_EQ(outputs.size(), 2U);
   EXPECT_EQ(outputs[0].server, "around");
   EXPECT_EQ(outputs[1].server, "around_virtual");
+  EXPECT_THAT(outputs[0].topics, ElementsAre("around", "around_safe"));
+  EXPECT_THAT(outputs[1].topics, ElementsAre("bumper", "chest"));
   EXPECT_EQ(outputs[1].items.size() + 1, outputs[0].items.size()) << "virtual scans without profile";
 }
 
