@@ -152,9 +152,8 @@ std::string rivals_text(const Reception& r, std::uint16_t port) {
   if (r.sender_changes < astray || r.sender_changes * 100 < r.counters.packets) return {};
   const auto& [first, second] = std::minmax(r.senders[0], r.senders[1]);
   return fmt::format(
-      "{0} and {1} both send to port {2}; one entry takes one sensor: set ip_address: {0} here, and give "
-      "each other "
-      "sensor an entry of its own",
+      "{0} and {1} both send to port {2}; one entry takes one sensor: set ip_address: {0} here, "
+      "and give each other sensor an entry of its own",
       first.to_string(), second.to_string(), port);
 }
 
