@@ -186,8 +186,6 @@ struct Commands {
     c->add_option("--reference", calibrate.reference,
                   "Sensor against which the others are found; default: the first");
     c->add_option("-o,--output", calibrate.output, "Write the configuration with the new poses");
-    c->add_option("--picture", calibrate.picture,
-                  "Draw what the sensors saw, before and after: .png or .svg");
     c->add_flag("--json", calibrate.json, "For scripts");
     c->callback([this] { action = [this] { return run_calibrate(calibrate, std::cout, std::cerr); }; });
   }
@@ -207,9 +205,6 @@ struct Commands {
     c->add_option("--motion", snapshot.motion, "A bag whose tf or odometry says how the vehicle moved");
     c->add_option("--width", snapshot.width, "Pixels of the picture; default: about 1200")
         ->check(CLI::Range(500, 4000));
-    c->add_option("--color", snapshot.color, "What the colours of clouds tell: height, ring or intensity")
-        ->check(CLI::IsMember({"height", "ring", "intensity"}))
-        ->capture_default_str();
     c->add_option("-o,--output", snapshot.output, "Picture to write, .png or .svg")->required();
     c->callback([this] { action = [this] { return run_snapshot(snapshot, std::cerr); }; });
   }

@@ -11,7 +11,6 @@
 #include "core/base/angle.h"
 #include "daemon/config/pose_edit.h"
 #include "daemon/config/reading.h"
-#include "daemon/files/snapshot_view.h"
 #include "daemon/files/text_file.h"
 
 namespace lidard {
@@ -133,7 +132,6 @@ int calibrate(const CalibrateOptions& options, std::ostream& out, std::ostream& 
       out << sensor.config->name << ": " << calibration_sentence(sensor, driven) << '\n';
     if (driven != nullptr) out << odometry_sentence(*driven) << '\n';
   }
-  if (!options.picture.empty()) draw_calibration(options.picture, sensors, config, driven);
   if (any && !options.output.empty()) write_mounts(options, sensors);
   if (!any) err << "nothing was determined, and nothing is written\n";
   return any ? exit_ok : exit_failed;
@@ -144,10 +142,6 @@ int calibrate(const CalibrateOptions& options, std::ostream& out, std::ostream& 
 int run_calibrate(const CalibrateOptions& options, std::ostream& out, std::ostream& err) {
   if (options.captures.empty() && options.bag.empty()) {
     err << "lidard calibrate: a capture or --bag is required\n";
-    return exit_usage;
-  }
-  if (!options.picture.empty() && !picture_format(options.picture)) {
-    err << "--picture: '" << options.picture << "' is neither a .png nor a .svg file\n";
     return exit_usage;
   }
   return guarded(err, [&] { return calibrate(options, out, err); });

@@ -72,8 +72,4 @@ std::string calibration_sentence(const CalibratedSensor& sensor, const Drive* dr
 std::string odometry_sentence(const Drive& drive);
 nlohmann::json calibration_json(const std::vector<CalibratedSensor>& sensors, const MountSolution& solution,
                                 const Drive* drive);
-/// Draws what the sensors saw, before and after, side by side.
-void draw_calibration(const std::string& path, const std::vector<CalibratedSensor>& sensors,
-                      const Config& config, const Drive* drive);
-
 }  // namespace lidard

@@ -131,10 +131,6 @@ std::string why_empty(const SnapshotView& view) {
   return all;
 }
 
-CloudColor color_named(const std::string& name) {
-  return name == "ring" ? CloudColor::ring : name == "intensity" ? CloudColor::intensity : CloudColor::height;
-}
-
 /// The view at one moment. Throws std::runtime_error if nothing can be drawn.
 SnapshotView view_of(const SnapshotOptions& options, const Scene& scene) {
   MergedCapture capture(options.captures);
@@ -147,7 +143,7 @@ SnapshotView view_of(const SnapshotOptions& options, const Scene& scene) {
   const double at = play(options.at, length, scene, capture, motion, frames);
   if (frames.empty()) throw std::runtime_error(nothing_there(scene, at, length));
   const FrameTree poses(scene.config, motion);
-  SnapshotView view = make_view(scene.config, poses, frames, options.areas, color_named(options.color));
+  SnapshotView view = make_view(scene.config, poses, frames, options.areas);
   if (std::all_of(view.layers.begin(), view.layers.end(), [](const auto& l) { return l.points.empty(); }))
     throw std::runtime_error("there is nothing to draw: " + why_empty(view));
   // The free area of one sensor is meaningless while the other sensors have no poses.
@@ -173,7 +169,7 @@ int run_snapshot(const SnapshotOptions& options, std::ostream& err) {
   return guarded(err, [&] {
     const Scene scene =
         options.config.empty() ? scene_of(options.captures, err) : configured(options.config, err);
-    const std::string picture = draw_snapshot({view_of(options, scene)}, *format);
+    const std::string picture = draw_snapshot(view_of(options, scene), *format);
     TextFile file(options.output);
     file.write(picture);
     file.close();

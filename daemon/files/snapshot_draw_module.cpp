@@ -22,7 +22,6 @@ constexpr double legend_width = 264;
 constexpr std::size_t legend_columns = 40;  // letters of a line, beside the symbols
 constexpr double name_height = 19, line_height = 17, row_gap = 9;
 constexpr double margin = 20;
-constexpr double side_caption = 34;
 
 /// One row of the legend.
 struct LegendRow {
@@ -51,13 +50,14 @@ struct LegendRow {
 std::vector<LegendRow> legend_of(const SnapshotView& view) {
   std::vector<LegendRow> rows;
   for (const auto& layer : view.layers) rows.push_back({layer.name, layer.note, &layer, {}});
-  if (!view.lidars.empty()) {
+  const auto is_cloud = [](const SnapshotView::Layer& layer) { return layer.role == Role::cloud; };
+  if (std::any_of(view.layers.begin(), view.layers.end(), is_cloud)) {
     const auto number = [](double value) { return printed("%.3g", std::abs(value) < 5e-4 ? 0.0 : value); };
-    rows.push_back(
-        {"colours",
-         number(view.framing.lowest) + " to " + number(view.framing.highest) + ": " + view.color_words,
-         nullptr,
-         {}});
+    rows.push_back({"colours",
+                    number(view.framing.lowest) + " to " + number(view.framing.highest) + ": height above " +
+                        view.base_frame + ", m",
+                    nullptr,
+                    {}});
     for (int step = 0; step < 14; ++step) rows.back().colors.push_back(scale_color(step / 13.0));
   }
   if (!view.free_note.empty()) {
@@ -68,14 +68,7 @@ std::vector<LegendRow> legend_of(const SnapshotView& view) {
                     nullptr,
                     {}});
   }
-  const bool has_fields = std::any_of(view.sensors.begin(), view.sensors.end(), [](const auto& sensor) {
-    return sensor.all_round || !sensor.field.empty();
-  });
-  rows.push_back({"",
-                  "Ahead is up. Rings: distance from " + view.base_frame + "." +
-                      (has_fields ? " Outline around a sensor: its field of view, not to scale." : ""),
-                  nullptr,
-                  {}});
+  rows.push_back({"", "Ahead is up. Rings: distance from " + view.base_frame + ".", nullptr, {}});
   for (const auto* sentences : {&view.notes, &view.missing}) {
     for (const auto& sentence : *sentences) rows.push_back({"", sentence, nullptr, {}, {0.70, 0.20, 0.00}});
   }
@@ -85,40 +78,21 @@ std::vector<LegendRow> legend_of(const SnapshotView& view) {
 /// Places of the parts of a picture, in pixels; the field has the shape of the area shown.
 struct Layout {
   double width, height;  // of the field
-  double side;           // height of the side view; 0: there is none
-  bool has_legend;
-  explicit Layout(const SnapshotView& view) : has_legend(view.has_legend) {
+  explicit Layout(const SnapshotView& view) {
     const double aspect = std::clamp(view.framing.half.y() / view.framing.half.x(), 0.65, 1.7);
     width = std::round(std::sqrt(field_area * aspect));
     if (view.framing.width > 0) width = view.framing.width - (page_width() - width);
     height = std::round(width / aspect);
-    side = std::round(side_height(view, width));
   }
   double legend_left() const { return field_left + width + 22; }
-  double page_width() const { return has_legend ? legend_left() + legend_width + 14 : field_left + width; }
-  double side_top() const { return field_top + height + side_caption; }
-  double bottom() const { return side > 0 ? side_top() + side : field_top + height; }
-};
-
-/// Where all of one view is.
-struct Page {
-  explicit Page(const SnapshotView& view) : layout(view), legend(legend_of(view)) {}
-  Layout layout;
-  std::vector<LegendRow> legend;
-
-  /// The views or the legend, whichever is longer.
-  double height() const {
-    double rows = field_top;
-    for (const LegendRow& row : legend) rows += row.height();
-    return std::ceil(std::max(layout.bottom(), layout.has_legend ? rows : 0) + margin);
-  }
+  double page_width() const { return legend_left() + legend_width + 14; }
 };
 
 /// Draws one view.
 class Painter {
  public:
-  Painter(const SnapshotView& view, const Page& page, Chart& chart)
-      : view_(view), layout_(page.layout), legend_(page.legend), chart_(chart) {
+  Painter(const SnapshotView& view, const Layout& layout, const std::vector<LegendRow>& legend, Chart& chart)
+      : view_(view), layout_(layout), legend_(legend), chart_(chart) {
     chart_.set_field({field_left, field_top}, {layout_.width, layout_.height}, view.framing.center,
                      view.framing.half);
   }
@@ -137,15 +111,14 @@ class Painter {
     all(Role::input);
     all(Role::merged);
     all(Role::virtual_scan);
-    for (std::size_t i = 0; i < view_.sensors.size(); ++i) sensor(view_.sensors[i], i);
+    for (const auto& one : view_.sensors) sensor(one);
     for (std::size_t i = 0; i < view_.sensors.size(); ++i) sensor_name(view_.sensors[i], i);
     ring_labels();
     chart_.end_clip();
     chart_.rectangle(field_left, field_top, layout_.width, layout_.height);
     chart_.stroke({0.5, 0.5, 0.5}, 1);
     heading();
-    if (layout_.has_legend) legend();
-    if (layout_.side > 0) draw_side(chart_, view_, {field_left, layout_.side_top()}, layout_.width);
+    legend();
   }
 
  private:
@@ -201,8 +174,8 @@ class Painter {
   void clouds() {
     std::vector<Chart::Dot> dots;
     for (const auto& layer : view_.layers) {
-      for (std::size_t i = 0; i < layer.values.size(); ++i)
-        dots.push_back({chart_.to_page(layer.points[i]), scale_color(share(layer.values[i]))});
+      for (std::size_t i = 0; i < layer.heights.size(); ++i)
+        dots.push_back({chart_.to_page(layer.points[i]), scale_color(share(layer.heights[i]))});
     }
     // Few returns are drawn one by one; many as shades.
     chart_.dots(dots, dots.size() < 60'000 ? 2 : 1, dots.size() < 200'000 ? 1 : 0.6);
@@ -211,7 +184,7 @@ class Painter {
     const Color color = color_of(layer.role, layer.number);
     if (layer.role == Role::merged || layer.role == Role::virtual_scan) return line(layer);
     for (const auto& p : layer.points) chart_.dot(chart_.to_page(p));
-    chart_.stroke(color, layer.dot);
+    chart_.stroke(color, 6);
   }
   void line(const SnapshotView::Layer& layer) {
     bool open = false;
@@ -254,30 +227,16 @@ class Painter {
     chart_.circle(o, 2.5);
     chart_.fill(ink);
   }
-  /// Of the outline of its field of view; radii differ, to distinguish sensors in one place.
-  static double radius_of(std::size_t index) { return 26 + 7 * static_cast<double>(index % 4); }
-  void sensor(const SnapshotView::Sensor& sensor, std::size_t index) {
-    const Color color = color_of(sensor.role, sensor.number);
-    const Vector2d at = chart_.to_page(sensor.at);
-    std::vector<Vector2d> outline;
-    if (!sensor.all_round) outline.push_back(at);
-    for (const Vector2d& direction : sensor.field)
-      outline.emplace_back(at + radius_of(index) * Vector2d(-direction.y(), -direction.x()));
-    chart_.path(outline);
-    chart_.close();
-    chart_.stroke(color, 1.4);
-    chart_.circle(at, 4);
-    chart_.fill(color);
+  void sensor(const SnapshotView::Sensor& sensor) {
+    chart_.circle(chart_.to_page(sensor.at), 4);
+    chart_.fill(color_of(sensor.role, sensor.number));
   }
   void sensor_name(const SnapshotView::Sensor& sensor, std::size_t index) {
     const Color color = color_of(sensor.role, sensor.number);
     const Vector2d at = chart_.to_page(sensor.at);
-    const double radius = radius_of(index);
-    if (sensor.all_round)
-      return chart_.label(at - Vector2d(0, radius + 5), sensor.name, 13, color, Align::middle);
     // Names stand beside the vehicle, on the sensor's side.
     const bool left = sensor.at.y() > 0.05 || (std::abs(sensor.at.y()) <= 0.05 && index % 2 == 1);
-    const Vector2d place = at + Vector2d(left ? -radius - 6 : radius + 6, sensor.at.x() < -0.5 ? 14 : -6);
+    const Vector2d place = at + Vector2d(left ? -10 : 10, sensor.at.x() < -0.5 ? 14 : -6);
     chart_.label(place, sensor.name, 13, color, left ? Align::right : Align::left);
   }
   void heading() {
@@ -327,29 +286,25 @@ class Painter {
   Chart& chart_;
 };
 
-std::string drawn(const std::vector<SnapshotView>& views, PictureFormat format) {
-  std::vector<Page> pages;
-  double width = 0, height = 0;
-  for (const SnapshotView& view : views) {
-    pages.emplace_back(view);
-    width += pages.back().layout.page_width(), height = std::max(height, pages.back().height());
-  }
-  Chart chart(format, width, height);
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    Painter(views[i], pages[i], chart).paint();
-    chart.shift(pages[i].layout.page_width());
-  }
-  std::string description = views.back().subtitle;
-  for (const LegendRow& row : pages.back().legend)
+std::string drawn(const SnapshotView& view, PictureFormat format) {
+  const Layout layout(view);
+  const std::vector<LegendRow> legend = legend_of(view);
+  double rows = field_top;
+  std::string description = view.subtitle;
+  for (const LegendRow& row : legend) {
+    rows += row.height();
     description += "\n" + row.name + (row.name.empty() ? "" : ": ") + row.note;
-  return chart.bytes(views.back().title, description);
+  }
+  Chart chart(format, layout.page_width(), std::ceil(std::max(field_top + layout.height, rows) + margin));
+  Painter(view, layout, legend, chart).paint();
+  return chart.bytes(view.title, description);
 }
 
 }  // namespace
 
 }  // namespace lidard
 
-extern "C" void lidard_draw_snapshot(const std::vector<lidard::SnapshotView>& views,
-                                     lidard::PictureFormat format, std::string& bytes) {
-  bytes = lidard::drawn(views, format);
+extern "C" void lidard_draw_snapshot(const lidard::SnapshotView& view, lidard::PictureFormat format,
+                                     std::string& bytes) {
+  bytes = lidard::drawn(view, format);
 }

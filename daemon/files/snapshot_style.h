@@ -72,9 +72,4 @@ inline double round_step(double length, double parts) {
 
 inline std::string meters(double length) { return printed("%.6g m", length); }
 
-/// Height of the side view in pixels where it is `width` wide; 0: the view has none.
-double side_height(const SnapshotView& view, double width);
-/// Draws the side view with its left upper corner at `corner`.
-void draw_side(Chart& chart, const SnapshotView& view, const Eigen::Vector2d& corner, double width);
-
 }  // namespace lidard
