@@ -19,18 +19,15 @@ const Keys<BlackBoxConfig>& black_box_keys() {
           .or_empty(),
       whole("files", &B::files, 1, 1000,
             "captures kept there; a new one takes the place of the oldest, but the first of each kind of "
-            "error stays"),
-      flag("on_error", &B::on_error, "a capture is written when an item of /diagnostics goes to ERROR")};
+            "error stays")};
   return all;
 }
 
 void read_black_box(Mapping& root, Reading& reading) {
-  root.attempt("blackbox", [&] {
-    const auto section = root.find("blackbox");
-    if (!section) return;
-    Mapping yaml = mapping_of(*section, black_box_keys(), reading.mistakes);
-    read_keys(yaml, black_box_keys(), reading.config.black_box);
-  });
+  const auto section = root.find("blackbox");
+  if (!section) return;
+  Mapping yaml = mapping_of(*section, black_box_keys());
+  read_keys(yaml, black_box_keys(), reading.config.black_box);
 }
 
 }  // namespace lidard

@@ -119,18 +119,14 @@ Config parse_config(const std::string& text, const std::string& name) {
   Reading reading;
   reading.config.file = name;
   const Value file = parse_yaml(text, name);
-  reading.mistakes.attempt(file.place(), [&] {
-    Mapping root(file, {"vehicle", "sensors", "merged_scans", "merged_clouds", "virtual_scans", "blackbox"},
-                 reading.mistakes);
-    read_vehicle(root, reading);
-    read_sensors(root, reading);
-    read_merged_clouds(root, reading);
-    read_virtual_scans(root, reading);
-    read_merged_scans(root, reading);
-    read_black_box(root, reading);
-    if (reading.mistakes.count() == 0) warn_of_unused(root, reading);
-  });
-  reading.mistakes.throw_if_any();
+  Mapping root(file, {"vehicle", "sensors", "merged_scans", "merged_clouds", "virtual_scans", "blackbox"});
+  read_vehicle(root, reading);
+  read_sensors(root, reading);
+  read_merged_clouds(root, reading);
+  read_virtual_scans(root, reading);
+  read_merged_scans(root, reading);
+  read_black_box(root, reading);
+  warn_of_unused(root, reading);
   return std::move(reading.config);
 }
 

@@ -40,7 +40,7 @@ std::string read_text(const Value& value, const Key& key) {
   return value.text(expected_of(key));
 }
 
-KeyValue read_plain(const Value& value, const Key& key, Mistakes& mistakes) {
+KeyValue read_plain(const Value& value, const Key& key) {
   switch (key.kind) {
     case KeyKind::flag:
       return value.boolean();
@@ -52,7 +52,7 @@ KeyValue read_plain(const Value& value, const Key& key, Mistakes& mistakes) {
     case KeyKind::word:
       return read_word(value, key);
     case KeyKind::pose:
-      return read_pose(value, mistakes);
+      return read_pose(value);
     default:
       return read_text(value, key);
   }
@@ -80,8 +80,8 @@ std::string expected_of(const Key& key) {
   return "a text";
 }
 
-KeyValue read_value(const Value& value, const Key& key, Mistakes& mistakes) {
-  KeyValue read = read_plain(value, key, mistakes);
+KeyValue read_value(const Value& value, const Key& key) {
+  KeyValue read = read_plain(value, key);
   if (key.rejection == nullptr) return read;
   if (auto rejection = key.rejection(read)) {
     const std::size_t gap = rejection->what.find("{}");
@@ -97,7 +97,7 @@ std::optional<KeyValue> read_value(const Mapping& yaml, const Key& key) {
     return angle ? std::optional<KeyValue>(*angle) : std::nullopt;
   }
   const auto value = key.required ? yaml.require(key.name, expected_of(key)) : yaml.find(key.name);
-  return value ? std::optional<KeyValue>(read_value(*value, key, yaml.mistakes())) : std::nullopt;
+  return value ? std::optional<KeyValue>(read_value(*value, key)) : std::nullopt;
 }
 
 void write_tree(YAML::Emitter& yaml, const KeyValue& value) {

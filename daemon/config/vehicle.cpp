@@ -84,7 +84,6 @@ KeyOf<VehicleConfig> footprint_row() {
 
 /// Checks the source of the vehicle's motion.
 void check_motion(const Mapping& yaml, const VehicleConfig& vehicle) {
-  yaml.mistakes().end_if_invalid(yaml.self().path());
   const bool odometry = !vehicle.odometry_frame.empty();
   const bool topic = !vehicle.odometry_topic.empty();
   const bool imu = !vehicle.imu_topic.empty();
@@ -118,20 +117,17 @@ const Keys<VehicleConfig>& vehicle_keys() {
 }
 
 void read_vehicle(Mapping& root, Reading& reading) {
-  root.attempt("vehicle", [&] {
-    const auto section = root.find("vehicle");
-    if (!section) return;
-    VehicleConfig& vehicle = reading.config.vehicle;
-    Mapping yaml = mapping_of(*section, vehicle_keys(), reading.mistakes);
-    read_keys(yaml, vehicle_keys(), vehicle);
-    yaml.attempt("footprint", [&] {
-      const auto footprint = yaml.find("footprint");
-      if (footprint) vehicle.footprint = read_footprint(*footprint);
-      // The outline is published: RosOutline.
-      if (!vehicle.footprint.empty()) reading.claims.publishes("footprint", "vehicle.footprint", *footprint);
-    });
-    yaml.attempt_rule([&] { check_motion(yaml, vehicle); });
-  });
+  const auto section = root.find("vehicle");
+  if (!section) return;
+  VehicleConfig& vehicle = reading.config.vehicle;
+  Mapping yaml = mapping_of(*section, vehicle_keys());
+  read_keys(yaml, vehicle_keys(), vehicle);
+  if (const auto footprint = yaml.find("footprint")) {
+    vehicle.footprint = read_footprint(*footprint);
+    // The outline is published: RosOutline.
+    if (!vehicle.footprint.empty()) reading.claims.publishes("footprint", "vehicle.footprint", *footprint);
+  }
+  check_motion(yaml, vehicle);
 }
 
 }  // namespace lidard

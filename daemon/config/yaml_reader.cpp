@@ -56,7 +56,7 @@ std::optional<bool> truth_of(std::string_view word) {
 }
 
 [[noreturn]] void fail_at(const Place& place, const std::string& what, const std::string& expected) {
-  throw PlacedError(place, what + "; expected " + expected);
+  throw ConfigError(place.to_string() + ": " + what + "; expected " + expected);
 }
 
 Place place_of(const YAML::Mark& mark, const Place& otherwise) {
@@ -261,51 +261,43 @@ std::vector<Value> Value::names(const std::string& expected) const {
   return values;
 }
 
-Mapping::Mapping(const Value& value, std::vector<std::string_view> known_keys, Mistakes& mistakes)
-    : self_(value), mistakes_(mistakes) {
-  const auto is_known = [&](const std::string& key) {
-    return known_keys.empty() || std::find(known_keys.begin(), known_keys.end(), key) != known_keys.end();
-  };
-  for (auto& [key, entry] : named_entries(value, &mistakes)) {
-    if (is_known(key)) {
-      keys_.push_back(key);
-      values_.emplace(key, std::move(entry));
+Mapping::Mapping(const Value& value, const std::vector<std::string_view>& known_keys)
+    : self_(value), entries_(named_entries(value)) {
+  for (const auto& [key, entry] : entries_) {
+    if (known_keys.empty() || std::find(known_keys.begin(), known_keys.end(), key) != known_keys.end())
       continue;
-    }
-    mistakes.attempt(entry.key_place(), [&, &written = key, &unknown = entry] {
-      if (const std::string_view instead = instead_of(unknown.path()); !instead.empty())
-        fail_at(unknown.key_place(), unknown.path() + " is a key of former versions", std::string(instead));
-      const std::string_view near = nearest_word(written, known_keys);
-      fail_at(unknown.key_place(), "unknown key " + unknown.path(),
-              near.empty() ? "one of " + comma_list(known_keys) : std::string(near));
-    });
-    mistakes.mark_invalid(value.path());
+    if (const std::string_view instead = instead_of(entry.path()); !instead.empty())
+      fail_at(entry.key_place(), entry.path() + " is a key of former versions", std::string(instead));
+    const std::string_view near = nearest_word(key, known_keys);
+    fail_at(entry.key_place(), "unknown key " + entry.path(),
+            near.empty() ? "one of " + comma_list(known_keys) : std::string(near));
   }
 }
 
+const Value* Mapping::entry(std::string_view key) const {
+  const auto found =
+      std::find_if(entries_.begin(), entries_.end(), [&](const auto& one) { return one.first == key; });
+  return found == entries_.end() ? nullptr : &found->second;
+}
+
 std::optional<Value> Mapping::find(std::string_view key) const {
-  const auto found = values_.find(key);
-  if (found == values_.end()) return std::nullopt;
-  if (mistakes_.is_invalid(found->second.path())) throw AlreadyNoted();
-  return found->second;
+  const Value* const value = entry(key);
+  return value == nullptr ? std::nullopt : std::optional<Value>(*value);
 }
 
 Value Mapping::require(std::string_view key, const std::string& expected) const {
-  const auto value = find(key);
-  if (!value && mistakes_.is_invalid(self_.path())) throw AlreadyNoted();
-  if (!value) self_.fail_at_key("has no " + std::string(key), expected);
+  const Value* const value = entry(key);
+  if (value == nullptr) self_.fail_at_key("has no " + std::string(key), expected);
   return *value;
 }
 
 const Value& Mapping::where(std::string_view key) const {
-  auto found = values_.find(key);
-  if (found == values_.end()) found = values_.find(std::string(key) + "_deg");
-  if (found == values_.end()) return self_;
-  if (mistakes_.is_invalid(found->second.path())) throw AlreadyNoted();
-  return found->second;
+  const Value* value = entry(key);
+  if (value == nullptr) value = entry(std::string(key) + "_deg");
+  return value == nullptr ? self_ : *value;
 }
 
-Mapping Mapping::inside(std::string_view key) const { return {find(key).value(), {}, mistakes_}; }
+Mapping Mapping::inside(std::string_view key) const { return {find(key).value(), {}}; }
 
 void Mapping::in_rad(const std::string& key, const std::function<void(const Value&, double)>& read) const {
   const auto rad = find(key);
@@ -325,7 +317,7 @@ std::optional<double> Mapping::angle(const std::string& key) const {
   return angle;
 }
 
-std::vector<std::pair<std::string, Value>> named_entries(const Value& value, Mistakes* mistakes) {
+std::vector<std::pair<std::string, Value>> named_entries(const Value& value) {
   std::vector<std::pair<std::string, Value>> entries;
   if (value.is_null()) return entries;
   if (!value.node().IsMap()) value.fail("is " + value.quoted(), "a mapping (`key: value` lines)");
@@ -338,11 +330,7 @@ std::vector<std::pair<std::string, Value>> named_entries(const Value& value, Mis
     for (const auto& entry : map) {
       if (is_merge(entry) || (entry.first.IsScalar() && nearer.count(entry.first.Scalar()) != 0)) continue;
       const Place key_place = place_of(entry.first.Mark(), value.key_place());
-      const auto check = [&] { check_key(entry.first, key_place, value, prefix, seen); };
-      if (mistakes == nullptr)
-        check();
-      else if (!mistakes->attempt(key_place, check))
-        continue;
+      check_key(entry.first, key_place, value, prefix, seen);
       // The parser gives a missing value the place of the next token.
       const Place place = entry.second.IsNull() ? key_place : place_of(entry.second.Mark(), key_place);
       const std::string& key = entry.first.Scalar();

@@ -5,14 +5,13 @@
 #include <yaml-cpp/yaml.h>
 
 #include <functional>
-#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
-#include "daemon/config/mistakes.h"
+#include "daemon/config/config_error.h"
 
 namespace lidard {
 
@@ -64,15 +63,13 @@ class Value {
   std::string path_;
 };
 
-/// A YAML mapping with known keys. Unknown and repeated keys are mistakes. Reading an invalid key throws
-/// AlreadyNoted.
+/// A YAML mapping with known keys. Unknown and repeated keys are mistakes.
 class Mapping {
  public:
   /// A value of null is an empty mapping. Without known keys any key is allowed.
-  Mapping(const Value& value, std::vector<std::string_view> known_keys, Mistakes& mistakes);
+  Mapping(const Value& value, const std::vector<std::string_view>& known_keys);
 
   const Value& self() const { return self_; }
-  Mistakes& mistakes() const { return mistakes_; }
   /// The value of `key`; empty if it is missing.
   std::optional<Value> find(std::string_view key) const;
   /// The same; throws `… is missing; expected` if it is missing.
@@ -87,33 +84,19 @@ class Mapping {
   void in_rad(const std::string& key, const std::function<void(const Value&, double)>& read) const;
   /// The mapping at `key`, with any keys.
   Mapping inside(std::string_view key) const;
-  /// The present keys, in the order of the file.
-  const std::vector<std::string>& keys() const { return keys_; }
-  /// Notes the mistake that `read` throws and marks `key` invalid.
-  template <class Read>
-  void attempt(std::string_view key, const Read& read) const {
-    mistakes_.attempt(self_.place(), [&] {
-      const Value& value = where(key);
-      if (!mistakes_.attempt(value.place(), read)) mistakes_.mark_invalid(value.path());
-    });
-  }
-  /// Notes the mistake in the combination of keys that `check` throws; does nothing while keys are missing or
-  /// unknown.
-  template <class Check>
-  void attempt_rule(const Check& check) const {
-    if (!mistakes_.is_invalid(self_.path())) mistakes_.attempt(self_.place(), check);
-  }
+  /// The present keys with their values, in the order of the file.
+  const std::vector<std::pair<std::string, Value>>& entries() const { return entries_; }
 
  private:
+  const Value* entry(std::string_view key) const;
+
   Value self_;
-  Mistakes& mistakes_;
-  std::map<std::string, Value, std::less<>> values_;
-  std::vector<std::string> keys_;
+  std::vector<std::pair<std::string, Value>> entries_;
 };
 
 /// The entries of a mapping with names chosen by the user, in the order of the file. Keys that are not plain
-/// text or repeated are mistakes; with `mistakes` only these entries are skipped.
-std::vector<std::pair<std::string, Value>> named_entries(const Value& value, Mistakes* mistakes = nullptr);
+/// text or repeated are mistakes.
+std::vector<std::pair<std::string, Value>> named_entries(const Value& value);
 
 /// Parses one YAML document; throws ConfigError for syntax errors and more than one document.
 Value parse_yaml(const std::string& text, const std::string& file);

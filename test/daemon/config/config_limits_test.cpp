@@ -107,7 +107,6 @@ const std::vector<Limit>& limits() {
        "-0.001", "10000", "10000.1"},
       {"height of the ground", ground("plane"), 3, "z", "-10000", "-10000.1", "10000", "10000.1"},
       {"tolerance of the ground", ground("plane"), 3, "tolerance", "0.001", "0.0009", "10", "10.001"},
-      {"slope of the ground", ground("slope"), 3, "steepest", "0.001", "0.0009", "1", "1.001"},
   };
   return all;
 }

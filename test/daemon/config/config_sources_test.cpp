@@ -54,7 +54,7 @@ TEST(ConfigSources, FindsASensorByTheTopicThatItReallyPublishes) {
             "f:2:39: merged_scans.m.laserscan_topics[0] names roof/points, of a velodyne_vlp16, which gives "
             "clouds; expected names of sensors that give scans: front, back, roof");
   EXPECT_THAT(error("front, front_scan"),
-              ::testing::EndsWith("names front again; expected every sensor once"));
+              ::testing::EndsWith("names front again; expected every source once"));
   EXPECT_THAT(error_of("sensors: {roof: {model: velodyne_vlp16}}\nvirtual_scans: {v: {cloud_topic: roof, "
                        "virtual_laser_scan: [low], poses: {low: {xyz: [0, 0, 0]}}, profile: strict}}\n"
                        "merged_scans: {m: {laserscan_topics: [low, low]}}"),
@@ -124,7 +124,7 @@ TEST(ConfigSources, RefusesSourcesThatAreNone) {
             "f:7:32: merged_scans.m.laserscan_topics[1] names roof, a velodyne_vlp16, which gives clouds; "
             "expected names of sensors that give scans: rear");
   EXPECT_EQ(merged_error("laserscan_topics: [rear, /rear]"),
-            "f:7:32: merged_scans.m.laserscan_topics[1] names rear again; expected every sensor once");
+            "f:7:32: merged_scans.m.laserscan_topics[1] names rear again; expected every source once");
 }
 
 TEST(ConfigSources, RefusesCloudsThatAreNone) {
