@@ -159,8 +159,6 @@ struct Commands {
     format->add_flag_callback(
         "--markdown", [this] { keys = KeysFormat::markdown; }, "As in config/KEYS.md");
     format->add_flag_callback(
-        "--man", [this] { keys = KeysFormat::man; }, "As in the manual page");
-    format->add_flag_callback(
         "--json", [this] { keys = KeysFormat::json; }, "For scripts");
     c->callback([this] { action = [this] { return run_keys(keys, std::cout); }; });
   }
@@ -222,7 +220,6 @@ struct Commands {
       c->add_flag("--json", ask.json, "For scripts");
       c->add_flag("--watch", ask.watch, "Again every second");
     }
-    add("metrics", "The state in the text format of Prometheus", run_metrics);
     add("dump", "Lets the running daemon write the last packets to a capture", run_dump);
   }
   void add_import() {

@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <ostream>
 #include <string>
@@ -80,12 +79,6 @@ std::vector<Section> all_sections() {
   return all.sections;
 }
 
-std::string limit_text(double number) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g", number);
-  return text;
-}
-
 /// Allowed values of the key.
 std::string value_text(const Key& key) {
   if (!key.words.empty()) {
@@ -93,7 +86,7 @@ std::string value_text(const Key& key) {
     for (const auto word : key.words) list.append(list.empty() ? "" : ", ").append(word);
     return list;
   }
-  const std::string limits = limit_text(key.lowest) + " to " + limit_text(key.highest);
+  const std::string limits = printed("%.6g", key.lowest) + " to " + printed("%.6g", key.highest);
   switch (key.kind) {
     case KeyKind::flag:
       return "true, false";
@@ -136,15 +129,12 @@ void print_table(std::ostream& out) {
   }
 }
 
-/// Replaces `from` in `text`, for special characters of a format.
-std::string escaped(std::string text, const std::string& from, const std::string& to) {
-  for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
-    text.replace(at, from.size(), to);
-  return text;
-}
-
 void print_markdown(std::ostream& out) {
-  const auto cell = [](const std::string& text) { return escaped(text, "|", "\\|"); };
+  const auto cell = [](std::string text) {
+    for (std::size_t at = text.find('|'); at != std::string::npos; at = text.find('|', at + 2))
+      text.insert(at, 1, '\\');
+    return text;
+  };
   out << "# Configuration keys\n\n"
          "Printed by `lidard keys --markdown` from the tables that the parser reads. Lengths are in m, times "
          "in s, "
@@ -154,23 +144,6 @@ void print_markdown(std::ostream& out) {
     for (const Entry& entry : section.entries)
       out << "| `" << entry.key.name << "` | " << cell(value_text(entry.key)) << " | " << cell(entry.preset)
           << " | " << cell(meaning_text(entry)) << " |\n";
-  }
-}
-
-/// Escapes a leading dot or quote, which would be a roff request.
-std::string roff(const std::string& text) {
-  const std::string safe = escaped(escaped(escaped(text, "\\", "\\e"), "-", "\\-"), "…", "\\[u2026]");
-  return safe.find_first_of(".'") == 0 ? "\\&" + safe : safe;
-}
-
-void print_man(std::ostream& out) {
-  for (const Section& section : all_sections()) {
-    out << ".SS " << roff(section.name) << '\n';
-    for (const Entry& entry : section.entries) {
-      out << ".TP\n.B " << roff(std::string(entry.key.name)) << '\n' << roff(meaning_text(entry)) << ".\n";
-      out << roff(value_text(entry.key));
-      out << (entry.preset.empty() ? "" : roff("; default: " + entry.preset)) << ".\n";
-    }
   }
 }
 
@@ -212,9 +185,6 @@ int run_keys(KeysFormat format, std::ostream& out) {
       break;
     case KeysFormat::markdown:
       print_markdown(out);
-      break;
-    case KeysFormat::man:
-      print_man(out);
       break;
     case KeysFormat::json:
       print_json(out);

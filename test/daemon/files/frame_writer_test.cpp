@@ -21,7 +21,6 @@
 #include <sstream>
 
 #include "daemon/commands/commands.h"
-#include "daemon/files/numbered_path.h"
 #include "daemon/files/row_text.h"
 #include "test/support/captures.h"
 
@@ -164,11 +163,11 @@ TEST_F(Written, PcdOfManyPointsIsWrittenAsTheyCome) {
 }
 
 TEST(NumberedPathTest, FillsItsPlaceAsPrintfDoes) {
-  EXPECT_EQ(NumberedPath::parse("a/%06d.pcd")->of(42), "a/000042.pcd");
-  EXPECT_EQ(NumberedPath::parse("%d.pcd")->of(1234567), "1234567.pcd");
-  EXPECT_EQ(NumberedPath::parse("a%3db")->of(7), "a  7b");
+  EXPECT_EQ(numbered_path("a/%06d.pcd", 42), "a/000042.pcd");
+  EXPECT_EQ(numbered_path("%d.pcd", 1234567), "1234567.pcd");
+  EXPECT_EQ(numbered_path("a%3db", 7), "a  7b");
   for (const char* none : {"a.pcd", "100%.pcd", "%s.pcd", "%5.2d"})
-    EXPECT_FALSE(NumberedPath::parse(none)) << none;
+    EXPECT_FALSE(numbered_path(none, 1)) << none;
 }
 
 }  // namespace
