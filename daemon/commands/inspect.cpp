@@ -7,6 +7,7 @@
 #include "core/base/number_text.h"
 #include "daemon/commands/commands.h"
 #include "daemon/commands/inspect_survey.h"
+#include "daemon/config/yaml_reader.h"
 #include "daemon/files/text_table.h"
 #include "daemon/pipeline/report.h"
 
@@ -17,13 +18,6 @@ using Json = nlohmann::ordered_json;
 
 // Number of unknown flows in the text; --json has all of them.
 constexpr std::size_t unknown_rows = 10;
-
-/// Makes text from the network printable in a comment.
-std::string printable(std::string text) {
-  std::replace_if(
-      text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
-  return text;
-}
 
 void append(std::string& list, const std::string& item) { list += (list.empty() ? "" : ", ") + item; }
 

@@ -28,18 +28,15 @@ bool holds(const SensorGroup& group, const std::string& key) {
 Rejection refusal(const std::string& key, const SensorConfig& sensor) {
   if (sensor.model == nullptr)
     return {"does not apply to a source with topic:", "topic, frame_id, pose and time_offset only"};
-  const bool cloud = sensor.model->kind == FrameKind::cloud;
-  Rejection why =
-      cloud ? Rejection{", whose clouds are complete with all returns", "no such key"}
-            : Rejection{", which sends what its own configuration says", "no such key; set it in the device"};
+  std::string models, instead;
   for (const SensorGroup& group : sensor_groups()) {
     if (!holds(group, key)) continue;
     if (group.network && group.takes(*sensor.model))
       return {"is given beside packet_topic", "one of them: the network and its sensor are another node's"};
-    const Rejection& own = cloud ? group.of_clouds : group.of_scanners;
-    if (!own.what.empty()) why = own;
+    models.append(models.empty() ? "" : ", ").append(group.models);
+    instead = group.instead;
   }
-  return {"is not available for " + std::string(sensor.model->name) + why.what, why.expected};
+  return {"is not available for " + std::string(sensor.model->name) + ", only for " + models, instead};
 }
 
 void check_keys(const Mapping& yaml, const SensorConfig& sensor) {

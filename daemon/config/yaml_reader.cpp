@@ -24,14 +24,6 @@ namespace {
 
 constexpr std::size_t longest_quote = 40;
 
-std::string printable(std::string text) {
-  for (char& c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (byte < 0x20 || byte == 0x7f) c = '?';
-  }
-  return text;
-}
-
 std::string shorten(const std::string& text) {
   return printable(text.substr(0, longest_quote)) + (text.size() > longest_quote ? "…" : "");
 }
@@ -171,6 +163,14 @@ std::string comma_list(const std::vector<std::string_view>& words) {
 constexpr std::size_t largest_file = 1U << 20U;  // bytes
 
 }  // namespace
+
+std::string printable(std::string text) {
+  for (char& c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte < 0x20 || byte == 0x7f) c = '?';
+  }
+  return text;
+}
 
 Value::Value(YAML::Node node, Place place, Place key_place, std::string path)
     : node_(std::move(node)),

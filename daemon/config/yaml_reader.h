@@ -18,6 +18,9 @@ namespace lidard {
 /// A full turn, rounded up. A larger angle in rad is rejected as degrees written by mistake.
 constexpr double most_turn_rad = 6.284;
 
+/// Text from elsewhere on one line: control characters become question marks.
+std::string printable(std::string text);
+
 /// A YAML value with its place and path. Every reader throws ConfigError `file:line:column: what; expected
 /// …`.
 class Value {

@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "daemon/config/yaml_reader.h"
+
 namespace lidard {
 
 /// Rows of cells; the first row has the headings.
@@ -19,12 +21,7 @@ using TextTable = std::vector<std::vector<std::string>>;
 inline std::string cell(const nlohmann::ordered_json& value) {
   if (value.is_null() || value == "") return "-";
   if (value.is_number_float()) return fmt::format("{:.4g}", value.get<double>());
-  std::string text = value.is_string() ? value.get<std::string>() : value.dump();
-  // Texts from devices may contain anything.
-  for (char& c : text) {
-    if (static_cast<unsigned char>(c) < ' ' || c == '\x7f') c = ' ';
-  }
-  return text;
+  return printable(value.is_string() ? value.get<std::string>() : value.dump());
 }
 
 /// A list of objects as a table with a column for each of these members.
