@@ -1,7 +1,9 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <ctime>
 #include <ostream>
 #include <stdexcept>
 
@@ -18,12 +20,8 @@ namespace lidard {
 namespace {
 
 std::string to_utc(Stamp stamp) {
-  const std::time_t whole = static_cast<std::time_t>(stamp.ns / 1'000'000'000);
-  std::tm utc{};
-  gmtime_r(&whole, &utc);
-  char date[32];
-  std::strftime(date, sizeof date, "%F %T", &utc);
-  return date + printed(".%03d UTC", static_cast<int>(stamp.ns / 1'000'000 % 1000));
+  const std::time_t whole = stamp.ns / 1'000'000'000;
+  return fmt::format("{:%F %T}.{:03} UTC", fmt::gmtime(whole), stamp.ns / 1'000'000 % 1000);
 }
 
 std::string file_name(const std::string& path) { return path.substr(path.rfind('/') + 1); }

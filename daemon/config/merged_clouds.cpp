@@ -71,8 +71,7 @@ const Keys<MergedCloudConfig>& merged_cloud_keys() {
 }
 
 void read_merged_clouds(Mapping& root, Reading& reading) {
-  if (const auto section = root.find("merged_clouds"))
-    read_entries(*section, reading.config.merged_clouds, reading, read_merged_cloud);
+  read_entries(root.find("merged_clouds"), reading.config.merged_clouds, reading, read_merged_cloud);
 }
 
 }  // namespace lidard

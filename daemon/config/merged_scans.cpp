@@ -201,8 +201,7 @@ const Keys<Merged>& merged_keys() {
 }
 
 void read_merged_scans(Mapping& root, Reading& reading) {
-  if (const auto section = root.find("merged_scans"))
-    read_entries(*section, reading.config.merged_scans, reading, read_merged);
+  read_entries(root.find("merged_scans"), reading.config.merged_scans, reading, read_merged);
 }
 
 }  // namespace lidard

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/config/removed_keys.h"
-
 #include <fnmatch.h>
+
+#include "daemon/config/yaml_reader.h"
 
 namespace lidard {
 namespace {

@@ -93,13 +93,14 @@ KeyOf<Output> also_row() {
   return keys::special<Output>("also", "{TOPIC: PROFILE, …}", get,
                                "more scans of the same evidence, by topic");
 }
-/// Reads the entries of a section. Throws one ConfigError with a line for each entry in which something is
-/// wrong.
+/// Reads the entries of a section, if there is one. Throws one ConfigError with a line for each entry in
+/// which something is wrong.
 template <class Entry>
-void read_entries(const Value& section, std::vector<Entry>& entries, Reading& reading,
+void read_entries(const std::optional<Value>& section, std::vector<Entry>& entries, Reading& reading,
                   Entry (*read_one)(const std::string& name, const Value& entry, Reading& reading)) {
+  if (!section) return;
   std::string mistakes;
-  for (const auto& [name, value] : named_entries(section)) {
+  for (const auto& [name, value] : named_entries(*section)) {
     try {
       check_entry_name(name, value);
       entries.push_back(read_one(name, value, reading));

@@ -212,8 +212,7 @@ const Keys<Virtual>& virtual_keys() {
 }
 
 void read_virtual_scans(Mapping& root, Reading& reading) {
-  if (const auto section = root.find("virtual_scans"))
-    read_entries(*section, reading.config.virtual_scans, reading, read_virtual);
+  read_entries(root.find("virtual_scans"), reading.config.virtual_scans, reading, read_virtual);
 }
 
 }  // namespace lidard

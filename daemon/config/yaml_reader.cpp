@@ -17,7 +17,6 @@
 #include "core/base/nearest.h"
 #include "core/base/number_text.h"
 #include "daemon/config/config.h"
-#include "daemon/config/removed_keys.h"
 
 namespace lidard {
 namespace {

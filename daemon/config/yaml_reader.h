@@ -18,6 +18,10 @@ namespace lidard {
 /// A full turn, rounded up. A larger angle in rad is rejected as degrees written by mistake.
 constexpr double most_turn_rad = 6.284;
 
+/// The replacement of a key of former versions, by its path like merged_scans.m.fuse; empty: there was no
+/// such key.
+std::string_view instead_of(const std::string& path);
+
 /// Text from elsewhere on one line: control characters become question marks.
 std::string printable(std::string text);
 

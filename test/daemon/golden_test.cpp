@@ -215,9 +215,9 @@ TEST(Golden, EveryShippedCaptureIsPublishedAsBefore) {
   test::expect_golden("daemon_captures.txt", all);
 }
 
-/// The lines that are comments; the configuration below them is in the JSON, too.
+/// What is said of a capture and its sensors; the configuration below it is in the JSON, too.
 std::string remarks_of(const std::string& text) {
-  std::istringstream lines(text);
+  std::istringstream lines(text.substr(0, text.find("# This output")));
   std::string all;
   for (std::string line; std::getline(lines, line);) all += line.compare(0, 2, "# ") == 0 ? line + "\n" : "";
   return all;
