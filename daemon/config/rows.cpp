@@ -33,13 +33,6 @@ std::string read_word(const Value& value, const Key& key) {
   value.fail("is " + value.quoted(), expected);
 }
 
-std::string read_text(const Value& value, const Key& key) {
-  if (key.may_be_empty && value.text_or_empty().empty()) return {};
-  if (key.kind == KeyKind::topic) return read_topic(value);
-  if (key.kind == KeyKind::frame) return read_frame(value);
-  return value.text(expected_of(key));
-}
-
 KeyValue read_plain(const Value& value, const Key& key) {
   switch (key.kind) {
     case KeyKind::flag:
@@ -54,8 +47,12 @@ KeyValue read_plain(const Value& value, const Key& key) {
     case KeyKind::pose:
       return read_pose(value);
     default:
-      return read_text(value, key);
+      break;
   }
+  if (key.may_be_empty && value.text_or_empty().empty()) return std::string();
+  if (key.kind == KeyKind::topic) return read_topic(value);
+  if (key.kind == KeyKind::frame) return read_frame(value);
+  return value.text(expected_of(key));
 }
 
 /// The value in a message: a number as parsed, others as written.
