@@ -220,6 +220,7 @@ struct Commands {
       c->add_flag("--json", ask.json, "For scripts");
       c->add_flag("--watch", ask.watch, "Again every second");
     }
+    add("metrics", "The state in the text format of Prometheus", run_metrics);
     add("dump", "Lets the running daemon write the last packets to a capture", run_dump);
   }
   void add_import() {

@@ -70,6 +70,7 @@ class Daemon {
         socket_(sensors_.io(),
                 {{"status", [this](const auto& reply) { reply(status_json(state(), journal_)); }},
                  {"events", [this](const auto& reply) { reply(events_json(journal_)); }},
+                 {"metrics", [this](const auto& reply) { reply(metrics_text(state())); }},
                  {"dump", [this](const auto& reply) {
                     box_.dump([reply](const std::string& said) { reply(said + "\n"); });
                   }}}) {

@@ -75,6 +75,19 @@ std::string text_of(const Json& json) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
+std::string quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '\n') {
+      out += "\\n";
+      continue;
+    }
+    if (c == '"' || c == '\\') out += '\\';
+    out += c;
+  }
+  return out + '"';
+}
+
 std::string figure(const Json& value, int digits) {
   return fmt::format("{:.{}f}", value.get<double>(), digits);
 }
@@ -172,6 +185,32 @@ std::string events_json(const Journal& journal) {
   return text_of({{"forgotten", journal.forgotten()}, {"events", events}});
 }
 
+std::string metrics_text(const DaemonState& state) {
+  std::string out = "# TYPE lidard_uptime_seconds gauge\n";
+  out += fmt::format("lidard_uptime_seconds {}\n", seconds(state.uptime));
+  out += "# HELP lidard_health State of an item of /diagnostics: 0 ok, 1 warn, 2 error, 3 stale\n";
+  out += "# TYPE lidard_health gauge\n";
+  for (const DiagnosticItem& item : state.items)
+    out += fmt::format("lidard_health{{item={}}} {}\n", quoted(item.name), static_cast<int>(item.health));
+  const auto each = [&](const char* name, const char* type, auto value) {
+    out += fmt::format("# TYPE {} {}\n", name, type);
+    for (const auto& [topic, figures] : state.topics)
+      out += fmt::format("{}{{topic={}}} {}\n", name, quoted(topic), value(figures));
+  };
+  each("lidard_frames_total", "counter", [](const TopicFigures& f) { return f.frames; });
+  each("lidard_frames_dropped_total", "counter", [](const TopicFigures& f) { return f.dropped; });
+  each("lidard_rate_hz", "gauge", [](const TopicFigures& f) { return f.rate_hz; });
+  each("lidard_longest_gap_seconds", "gauge", [](const TopicFigures& f) { return seconds(f.longest_gap); });
+  out += "# TYPE lidard_latency_seconds summary\n";
+  for (const auto& [topic, f] : state.topics) {
+    for (const auto& [quantile, value] :
+         {std::pair("0.5", f.median_latency), {"0.99", f.p99_latency}, {"1", f.longest_latency}})
+      out += fmt::format("lidard_latency_seconds{{topic={},quantile=\"{}\"}} {:.6f}\n", quoted(topic),
+                         quantile, seconds(value));
+  }
+  return out;
+}
+
 int run_status(const StatusOptions& options, std::ostream& out, std::ostream& err) {
   return ask(options, "status", out, err, [&](const std::string& answer) {
     return print_status(Json::parse(answer), out) ? exit_ok : exit_failed;
@@ -194,6 +233,13 @@ int run_dump(const StatusOptions& options, std::ostream& out, std::ostream& err)
     (good ? out : err) << (answer.empty() ? "error: the daemon ended before the capture was written\n"
                                           : answer);
     return good ? exit_ok : exit_failed;
+  });
+}
+
+int run_metrics(const StatusOptions& options, std::ostream& out, std::ostream& err) {
+  return ask(options, "metrics", out, err, [&](const std::string& answer) {
+    out << answer;
+    return exit_ok;
   });
 }
 

@@ -24,9 +24,11 @@ struct DaemonState {
   std::vector<std::pair<std::string, TopicFigures>> topics;
 };
 
-/// The answers of a running daemon: JSON of the state with the newest events, and of all events.
+/// The answers of a running daemon: JSON of the state with the newest events, JSON of all events, and the
+/// state in Prometheus' text format.
 std::string status_json(const DaemonState& state, const Journal& journal);
 std::string events_json(const Journal& journal);
+std::string metrics_text(const DaemonState& state);
 
 /// Options of `lidard status` and `lidard events`.
 struct StatusOptions {
@@ -39,6 +41,7 @@ struct StatusOptions {
 /// for `status`, if an item is in error.
 int run_status(const StatusOptions& options, std::ostream& out, std::ostream& err);
 int run_events(const StatusOptions& options, std::ostream& out, std::ostream& err);
+int run_metrics(const StatusOptions& options, std::ostream& out, std::ostream& err);
 /// Waits for the capture and prints its path; exit code 1 also if the daemon could not write it.
 int run_dump(const StatusOptions& options, std::ostream& out, std::ostream& err);
 

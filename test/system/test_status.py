@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-FileCopyrightText: 2026 the lidard authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""`lidard status` and `events` ask a running daemon without ROS: what its sensors do, at which rate and how soon it comes
+"""`lidard status`, `events` and `metrics` ask a running daemon without ROS: what its sensors do, at which rate and how soon it comes
 out, and what changed, each change once at its time."""
 import datetime
 import json
@@ -46,6 +46,11 @@ def check_texts():
     text = run("status").stdout
     for part in ("lidard ", "sensor front", "front/scan", "LATENCY"):
         expect(part in text, f"{part!r} is not in:\n{text}")
+    metrics = run("metrics").stdout
+    expect('lidard_health{item="sensor front"} 0' in metrics, metrics)
+    expect(re.search(r'lidard_latency_seconds\{topic="front/scan",quantile="0.99"\} [0-9.e-]+\n', metrics), metrics)
+    for line in metrics.splitlines():
+        expect(re.fullmatch(r'# (TYPE|HELP) .*|[a-z_]+(\{.*\})? [0-9.e+-]+', line), f"not as Prometheus reads it: {line}")
 
 
 def check_silence(scene, silent_since):

@@ -67,5 +67,12 @@ TEST(Events, AreAllThatTheJournalHas) {
   EXPECT_EQ(said["events"][0]["level"], "OK");
 }
 
+TEST(Metrics, EscapeNamesAsPrometheusWantsIt) {
+  const std::string text = metrics_text(sample_state());
+  EXPECT_THAT(text, HasSubstr("lidard_health{item=\"sensor \\\"front\\\"\\n\\\\\"} 2\n"));
+  EXPECT_THAT(text, HasSubstr("lidard_frames_total{topic=\"front/scan\"} 42\n"));
+  EXPECT_THAT(text, HasSubstr("lidard_latency_seconds{topic=\"front/scan\",quantile=\"0.99\"} 0.000900\n"));
+}
+
 }  // namespace
 }  // namespace lidard
