@@ -159,6 +159,8 @@ struct Commands {
     format->add_flag_callback(
         "--markdown", [this] { keys = KeysFormat::markdown; }, "As in config/KEYS.md");
     format->add_flag_callback(
+        "--man", [this] { keys = KeysFormat::man; }, "As in the manual page");
+    format->add_flag_callback(
         "--json", [this] { keys = KeysFormat::json; }, "For scripts");
     c->callback([this] { action = [this] { return run_keys(keys, std::cout); }; });
   }

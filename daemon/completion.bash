@@ -34,7 +34,7 @@ _lidard() {
     calibrate:-*) _lidard_words "--config --pcap --bag --motion --reference --json --output --help" ;;
     snapshot:-*) _lidard_words "--config --pcap --at --range --areas --motion --width --output --help" ;;
     inspect:-* | models:*) _lidard_words "--json --help" ;;
-    keys:*) _lidard_words "--markdown --json --help" ;;
+    keys:*) _lidard_words "--markdown --man --json --help" ;;
     check:-*) _lidard_words "--ports --help" ;;
     check:*) _lidard_files yaml yml ;;
     status:* | events:*) _lidard_words "--socket --json --watch --help" ;;

@@ -69,8 +69,9 @@ int run_decode(const DecodeOptions& options, std::ostream& err);
 /// not be read to its end.
 int run_inspect(const std::vector<std::string>& captures, bool json, std::ostream& out, std::ostream& err);
 
-/// Format of the reference of all configuration keys: for a terminal, config/KEYS.md, or programs.
-enum class KeysFormat { table, markdown, json };
+/// Format of the reference of all configuration keys: for a terminal, config/KEYS.md, the manual page, or
+/// programs.
+enum class KeysFormat { table, markdown, man, json };
 
 int run_keys(KeysFormat format, std::ostream& out);
 

@@ -113,14 +113,25 @@ Json all_sections() {
   return all;
 }
 
+/// The text in a manual page: a leading dot or quote would be a roff request.
+std::string roff(const std::string& text) {
+  std::string safe = text.find_first_of(".'") == 0 ? "\\&" : "";
+  for (const char c : text) safe += c == '\\' ? "\\e" : c == '-' ? "\\-" : std::string(1, c);
+  const std::string dots = "…";  // Latin-1 has none
+  for (std::size_t at; (at = safe.find(dots)) != std::string::npos;)
+    safe.replace(at, dots.size(), "\\[u2026]");
+  return safe;
+}
+
 /// For people: the meaning names the products that have a key, and what can be changed while the daemon runs.
-void print_text(bool markdown, std::ostream& out) {
+void print_text(KeysFormat format, std::ostream& out) {
+  const bool markdown = format == KeysFormat::markdown, man = format == KeysFormat::man;
   const Json all = all_sections();
   for (const auto& [section, keys] : all.items()) {
     if (markdown)
       out << "\n## `" << section << "`\n\n| key | value | default | meaning |\n|---|---|---|---|\n";
     else
-      out << section << '\n';
+      out << (man ? ".SS " + roff(section) : section) << '\n';
     for (const Json& key : keys) {
       const std::string name = key["key"], value = key["value"], preset = key["default"];
       std::string meaning = key["meaning"];
@@ -129,6 +140,10 @@ void print_text(bool markdown, std::ostream& out) {
       if (key["live"]) meaning += " [live]";
       if (markdown)
         out << "| `" << name << "` | " << value << " | " << preset << " | " << meaning << " |\n";
+      else if (man)
+        out << ".TP\n.B " << roff(name) << '\n'
+            << roff(meaning) << ".\n"
+            << roff(value + (preset.empty() ? "" : "; default: " + preset)) << ".\n";
       else
         out << "  " << name << ": " << value << (preset.empty() ? "" : " (default: " + preset + ")")
             << "\n      " << meaning << '\n';
@@ -145,14 +160,13 @@ int run_keys(KeysFormat format, std::ostream& out) {
     out << list.dump(2) << '\n';
     return 0;
   }
-  const bool markdown = format == KeysFormat::markdown;
-  if (markdown)
+  if (format == KeysFormat::markdown)
     out << "# Configuration keys\n\n"
            "Printed by `lidard keys --markdown` from the tables that the parser reads. Lengths are in m, "
            "times "
            "in s, angles in rad.\n`[live]`: can be changed while the daemon runs, with "
            "dynamic_reconfigure.\n";
-  print_text(markdown, out);
+  print_text(format, out);
   return 0;
 }
 

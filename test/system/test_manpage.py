@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 # SPDX-FileCopyrightText: 2026 the lidard authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""The manual page and the completion know every command and option that `lidard --help` knows, and no other. groff finds
-nothing wrong in either page."""
+"""The manual page and the completion know every command and option that `lidard --help` knows, and no other. lidard.yaml(5) has the
+keys that `lidard keys --man` prints; groff finds nothing wrong in either page."""
 import json
 import os
 import pathlib
@@ -68,6 +68,8 @@ def main():
         assert not unknown, f"{command}: completion lacks {unknown}"
     code, _, warnings = output("man", "--warnings", "-l", str(CONFIGURATION), LC_ALL="C.UTF-8", MANPAGER="cat")
     assert code == 0 and not warnings, f"man: exit {code}, {warnings}"
+    keys = output(LIDARD, "keys", "--man")[1]
+    assert keys and keys in CONFIGURATION.read_text(), f"{CONFIGURATION.name} lacks what `lidard keys --man` prints"
     for part in ("RELOAD", "SIGNALS", "ENVIRONMENT", "FILES", "TROUBLESHOOTING", "REAL TIME"):
         assert f"\n{part}\n" in text, f"the page lacks {part}"
     print(f"{len(known)} commands agree")

@@ -87,11 +87,12 @@ TEST_F(CommandLine, RunsTheCommandsThatOnlyPrint) {
   EXPECT_THAT(lidard({"models"}).out, HasSubstr("velodyne_vlp16"));
   EXPECT_THAT(lidard({"models", "--json"}).out, StartsWith("["));
   const std::string table = lidard({"keys"}).out;
-  const std::string markdown = lidard({"keys", "--markdown"}).out;
+  const std::string markdown = lidard({"keys", "--markdown"}).out, man = lidard({"keys", "--man"}).out;
   EXPECT_THAT(markdown, HasSubstr("| `model` |"));
+  EXPECT_THAT(man, HasSubstr(".TP"));
   EXPECT_THAT(lidard({"keys", "--json"}).out, StartsWith("["));
   EXPECT_THAT(table, Not(HasSubstr("| `model` |")));
-  EXPECT_EQ(lidard({"keys", "--json", "--markdown"}).exit, exit_usage);
+  EXPECT_EQ(lidard({"keys", "--json", "--man"}).exit, exit_usage);
   const Answer check = lidard({"check", demo_config});
   EXPECT_EQ(check.exit, exit_ok);
   EXPECT_THAT(check.out, HasSubstr("scan_multi"));

@@ -45,6 +45,8 @@ const nlohmann::json& key(const std::string& section, const std::string& name) {
 TEST(KeysCommand, PrintsThePagesThatAreShipped) {
   EXPECT_EQ(file("config/KEYS.md"), printed(KeysFormat::markdown))
       << "lidard keys --markdown > config/KEYS.md";
+  EXPECT_THAT(file("daemon/lidard.yaml.5"), HasSubstr(printed(KeysFormat::man)))
+      << "what `lidard keys --man` prints stands in the manual page";
 }
 
 TEST(KeysCommand, KnowsLimitsDefaultsAndWhatIsLive) {
