@@ -186,6 +186,8 @@ struct Commands {
     c->add_option("--reference", calibrate.reference,
                   "Sensor against which the others are found; default: the first");
     c->add_option("-o,--output", calibrate.output, "Write the configuration with the new poses");
+    c->add_option("--picture", calibrate.picture,
+                  "Draw what the sensors saw, before and after: .png or .svg");
     c->add_flag("--json", calibrate.json, "For scripts");
     c->callback([this] { action = [this] { return run_calibrate(calibrate, std::cout, std::cerr); }; });
   }

@@ -31,7 +31,7 @@ _lidard() {
     replay:-*) _lidard_words "--config --pcap --rate --loop --start --duration --wait --motion --clock --bag --help" ;;
     decode:-*) _lidard_words "--model --source --port --calibration --calibration-model --format --frame --clock --time --output --help" ;;
     record:*) _lidard_words "--config --output --interface --duration --help" ;;
-    calibrate:-*) _lidard_words "--config --pcap --bag --motion --reference --json --output --help" ;;
+    calibrate:-*) _lidard_words "--config --pcap --bag --motion --reference --json --output --picture --help" ;;
     snapshot:-*) _lidard_words "--config --pcap --at --range --areas --motion --width --output --help" ;;
     inspect:-* | models:*) _lidard_words "--json --help" ;;
     keys:*) _lidard_words "--markdown --man --json --help" ;;

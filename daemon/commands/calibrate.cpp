@@ -9,6 +9,7 @@
 #include "core/base/angle.h"
 #include "daemon/config/pose_edit.h"
 #include "daemon/config/reading.h"
+#include "daemon/files/snapshot_view.h"
 #include "daemon/files/text_file.h"
 
 namespace lidard {
@@ -125,6 +126,7 @@ int calibrate(const CalibrateOptions& options, std::ostream& out, std::ostream& 
       out << name << ": " << cell(sensor["remark"]) << '\n';
     if (driven != nullptr) out << cell(report["odometry"]["remark"]) << '\n';
   }
+  if (!options.picture.empty()) draw_calibration(options.picture, sensors, config, driven);
   if (any && !options.output.empty()) write_mounts(options, sensors);
   if (!any) err << "nothing was determined, and nothing is written\n";
   return any ? exit_ok : exit_failed;
@@ -135,6 +137,10 @@ int calibrate(const CalibrateOptions& options, std::ostream& out, std::ostream& 
 int run_calibrate(const CalibrateOptions& options, std::ostream& out, std::ostream& err) {
   if (options.captures.empty() && options.bag.empty()) {
     err << "lidard calibrate: a capture or --bag is required\n";
+    return exit_usage;
+  }
+  if (!options.picture.empty() && !picture_format(options.picture)) {
+    err << "--picture: '" << options.picture << "' is neither a .png nor a .svg file\n";
     return exit_usage;
   }
   return guarded(err, [&] { return calibrate(options, out, err); });

@@ -70,5 +70,8 @@ using CalibrationReport = nlohmann::ordered_json;
 CalibrationReport calibration_report(const std::vector<CalibratedSensor>& sensors,
                                      const MountSolution& solution, const Drive* drive);
 TextTable calibration_table(const CalibrationReport& report);
+/// Draws what the sensors saw, before and after, side by side.
+void draw_calibration(const std::string& path, const std::vector<CalibratedSensor>& sensors,
+                      const Config& config, const Drive* drive);
 
 }  // namespace lidard

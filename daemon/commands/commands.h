@@ -144,6 +144,7 @@ struct CalibrateOptions {
   std::string motion;                 ///< bag or table with the odometry; empty: it is parked
   std::string reference;              ///< sensor whose pose stays; empty: the first one
   std::string output;                 ///< configuration with the new poses; empty: none
+  std::string picture;                ///< .png or .svg; empty: none
   bool json = false;
 };
 

@@ -167,7 +167,7 @@ int run_snapshot(const SnapshotOptions& options, std::ostream& err) {
   return guarded(err, [&] {
     const Scene scene =
         options.config.empty() ? scene_of(options.captures, err) : configured(options.config, err);
-    const std::string picture = draw_snapshot(view_of(options, scene), *format);
+    const std::string picture = draw_snapshot({view_of(options, scene)}, *format);
     TextFile file(options.output);
     file.write(picture);
     file.close();

@@ -56,6 +56,11 @@ class Chart {
     center_ = center;
     scale_ = std::min(size.x() / (2 * half.y()), size.y() / (2 * half.x()));
   }
+  /// Moves all that is drawn from now on to the right, beside what was drawn.
+  void shift(double pixels) {
+    cairo_translate(pen_, pixels, 0);
+    labels_.clear();
+  }
   double pixels_per_meter() const { return scale_; }
   Eigen::Vector2d to_page(const Eigen::Vector2d& meters) const {
     const Eigen::Vector2d from_center = meters - center_;

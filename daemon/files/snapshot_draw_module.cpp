@@ -140,14 +140,15 @@ std::vector<LegendRow> legend_of(const SnapshotView& view) {
 /// Places of the parts of a picture, in pixels; the field has the shape of the area shown.
 struct Layout {
   double width, height;  // of the field
-  explicit Layout(const SnapshotView& view) {
+  bool has_legend;
+  Layout(const SnapshotView& view, bool with_legend) : has_legend(with_legend) {
     const double aspect = std::clamp(view.framing.half.y() / view.framing.half.x(), 0.65, 1.7);
     width = std::round(std::sqrt(field_area * aspect));
     if (view.framing.width > 0) width = view.framing.width - (page_width() - width);
     height = std::round(width / aspect);
   }
   double legend_left() const { return field_left + width + 22; }
-  double page_width() const { return legend_left() + legend_width + 14; }
+  double page_width() const { return has_legend ? legend_left() + legend_width + 14 : field_left + width; }
 };
 
 /// Draws one view.
@@ -180,7 +181,7 @@ class Painter {
     chart_.rectangle(field_left, field_top, layout_.width, layout_.height);
     chart_.stroke({0.5, 0.5, 0.5}, 1);
     heading();
-    legend();
+    if (layout_.has_legend) legend();
   }
 
  private:
@@ -246,7 +247,7 @@ class Painter {
     const Color color = color_of(layer.role, layer.number);
     if (layer.role == Role::merged || layer.role == Role::virtual_scan) return line(layer);
     for (const auto& p : layer.points) chart_.dot(chart_.to_page(p));
-    chart_.stroke(color, 6);
+    chart_.stroke(color, layer.dot);
   }
   void line(const SnapshotView::Layer& layer) {
     bool open = false;
@@ -348,25 +349,33 @@ class Painter {
   Chart& chart_;
 };
 
-std::string drawn(const SnapshotView& view, PictureFormat format) {
-  const Layout layout(view);
-  const std::vector<LegendRow> legend = legend_of(view);
-  double rows = field_top;
-  std::string description = view.subtitle;
+std::string drawn(const std::vector<SnapshotView>& views, PictureFormat format) {
+  const SnapshotView& last = views.back();
+  const std::vector<LegendRow> legend = legend_of(last);
+  double width = 0, height = field_top;
+  std::string description = last.subtitle;
   for (const LegendRow& row : legend) {
-    rows += row.height();
+    height += row.height();
     description += "\n" + row.name + (row.name.empty() ? "" : ": ") + row.note;
   }
-  Chart chart(format, layout.page_width(), std::ceil(std::max(field_top + layout.height, rows) + margin));
-  Painter(view, layout, legend, chart).paint();
-  return chart.bytes(view.title, description);
+  std::vector<Layout> layouts;
+  for (const SnapshotView& view : views) {
+    const Layout& layout = layouts.emplace_back(view, &view == &last);
+    width += layout.page_width(), height = std::max(height, field_top + layout.height);
+  }
+  Chart chart(format, width, std::ceil(height + margin));
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    Painter(views[i], layouts[i], legend, chart).paint();
+    chart.shift(layouts[i].page_width());
+  }
+  return chart.bytes(last.title, description);
 }
 
 }  // namespace
 
 }  // namespace lidard
 
-extern "C" void lidard_draw_snapshot(const lidard::SnapshotView& view, lidard::PictureFormat format,
-                                     std::string& bytes) {
-  bytes = lidard::drawn(view, format);
+extern "C" void lidard_draw_snapshot(const std::vector<lidard::SnapshotView>& views,
+                                     lidard::PictureFormat format, std::string& bytes) {
+  bytes = lidard::drawn(views, format);
 }

@@ -279,11 +279,11 @@ std::optional<PictureFormat> picture_format(const std::string& path) {
   return end == ".svg" ? std::optional(PictureFormat::svg) : std::nullopt;
 }
 
-std::string draw_snapshot(const SnapshotView& view, PictureFormat format) {
+std::string draw_snapshot(const std::vector<SnapshotView>& views, PictureFormat format) {
   const auto draw = reinterpret_cast<decltype(&lidard_draw_snapshot)>(module_function(
       "lidard_pictures", "lidard_draw_snapshot", "pictures need lidard's module for pictures"));
   std::string bytes;
-  draw(view, format, bytes);
+  draw(views, format, bytes);
   return bytes;
 }
 

@@ -86,6 +86,7 @@ struct SnapshotView {
     std::vector<Eigen::Vector2f> points;
     std::vector<char> joined;    ///< point i and i + 1 are neighbouring beams on one surface; empty: none are
     std::vector<float> heights;  ///< of a cloud's points: m in base_frame, shown as colours
+    double dot = 6;              ///< pixels, of an input's points
   };
 
   /// The area that the picture shows.
@@ -135,11 +136,11 @@ SnapshotView::Framing fit_to_points(const SnapshotView& view);
 enum class PictureFormat : std::uint8_t { png, svg };
 /// The format by the end of a file's name; nothing: neither .png nor .svg.
 std::optional<PictureFormat> picture_format(const std::string& path);
-/// The picture as the bytes of a file.
-std::string draw_snapshot(const SnapshotView& view, PictureFormat format);
+/// The picture as the bytes of a file: views side by side, the last one with its legend.
+std::string draw_snapshot(const std::vector<SnapshotView>& views, PictureFormat format);
 
 }  // namespace lidard
 
 /// draw_snapshot() itself; not linked, but found by name in the module for pictures.
-extern "C" void lidard_draw_snapshot(const lidard::SnapshotView& view, lidard::PictureFormat format,
-                                     std::string& bytes);
+extern "C" void lidard_draw_snapshot(const std::vector<lidard::SnapshotView>& views,
+                                     lidard::PictureFormat format, std::string& bytes);

@@ -184,7 +184,7 @@ def calibrate_drive(tmp, capture, motion, more="", arguments=()):
 def check_drive(tmp):
     capture = make_capture(tmp / "drive", driving(winding(50), stop=4, sensors=LATE))
     table = tmp / "drive.odometry.csv"
-    config, done = calibrate_drive(tmp, capture, table, arguments=("--json",))
+    config, done = calibrate_drive(tmp, capture, table, arguments=("--json", "--picture", tmp / "drive.svg"))
     expect(done.returncode == 0, done.stderr)
     found = json.loads(done.stdout)
     for name in LATE:
@@ -198,6 +198,8 @@ def check_drive(tmp):
     for name, sensor in yaml.safe_load(new)["sensors"].items():
         expect(abs(sensor["time_offset"] - found["sensors"][name]["after"]["time_offset"]) < 1e-5, new)
     expect(run("check", tmp / "driven.yaml").returncode == 0, "the new file is no configuration")
+    picture = (tmp / "drive.svg").read_text()
+    expect("front_left" in picture and "moved " in picture, "the picture names no sensor")
     for name, more in (("odom", "  odometry_topic: /odom\n"), ("tf", "  odometry_frame: odom\n")):
         write_bag(tmp / f"{name}.bag", table, name == "tf")
         _, done = calibrate_drive(tmp, capture, tmp / f"{name}.bag", more, ("--json",))
@@ -227,7 +229,7 @@ def check_drives_that_show_little(tmp):
     expect(done.returncode == 1 and not (tmp / "driven.yaml").exists(), done.stdout + done.stderr)
     expect("x, y, yaw, time offset in base_frame: not determined" in done.stdout and "changing turn rate" in done.stdout, done.stdout)
     capture = make_capture(tmp / "straight", driving(STRAIGHT))
-    _, done = calibrate_drive(tmp, capture, tmp / "straight.odometry.csv")
+    _, done = calibrate_drive(tmp, capture, tmp / "straight.odometry.csv", arguments=("--picture", tmp / "straight.png"))
     expect(done.returncode == 0 and "x, y, time offset in base_frame: not determined" in done.stdout and "drive curves" in done.stdout, done.stdout)
     sensors = {name: yaml.safe_load((tmp / "driven.yaml").read_text())["sensors"][name] for name in ("front_left", "front_right")}
     for name, y in (("front_left", 1.0), ("front_right", -1.0)):
@@ -239,6 +241,8 @@ def check_drives_that_show_little(tmp):
         (tmp / "text.csv").write_text("stamp,x,y,yaw\nfar away\n")
         _, done = calibrate_drive(tmp, capture, motion)
         expect(done.returncode == 1 and words in done.stderr, f"{motion}: {done.stderr}")
+    _, done = calibrate_drive(tmp, capture, tmp / "straight.odometry.csv", arguments=("--picture", "x.gif"))
+    expect(done.returncode == 2 and "neither a .png nor a .svg" in done.stderr, done.stderr)
 
 
 def check_watch(tmp):

@@ -82,7 +82,7 @@ def check_pictures(tmp, environment):
     named = dict(re.findall(r"^- `(\w+\.png)`: (.*)$", (PICTURES / "README.md").read_text(), re.M))
     stored = {file.name for file in PICTURES.glob("*.png")}
     expect(set(named) == stored == {file.name for file in tmp.glob("*.png")}, f"pictures {stored}, named {set(named)}")
-    for command in re.findall(r"^lidard snapshot .*$", (PICTURES / "README.md").read_text(), re.M):
+    for command in re.findall(r"^lidard (?:snapshot|calibrate) .*$", (PICTURES / "README.md").read_text(), re.M):
         name = command.split()[-1]
         # Letters look otherwise where the fonts are others.
         if pathlib.Path("/etc/debian_version").read_text().startswith("12"):

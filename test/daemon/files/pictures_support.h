@@ -115,7 +115,7 @@ class Pictures : public ::testing::Test {
     return options;
   }
   Pixels pixels_of(const SnapshotView& view) const {
-    std::ofstream(path("view.png"), std::ios::binary) << draw_snapshot(view, PictureFormat::png);
+    std::ofstream(path("view.png"), std::ios::binary) << draw_snapshot({view}, PictureFormat::png);
     return read_png(path("view.png"));
   }
   std::string content(const std::string& name) const {
