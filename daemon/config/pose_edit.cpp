@@ -30,16 +30,35 @@ std::string list_of(const Eigen::Vector3d& values, double parts) {
          rounded(values.z(), parts) + "]";
 }
 
-/// A pose in place of the old one, which must stand in braces.
-Edit pose_edit(const std::string& text, const YAML::Node& old, const std::string& sensor, const Pose& pose) {
+/// What separates two keys of a mapping, in braces or on lines of their own that begin below `at`.
+std::string separator(bool flow, const YAML::Mark& at) {
+  return flow ? std::string(", ") : "\n" + std::string(static_cast<std::size_t>(at.column), ' ');
+}
+
+/// `values` in place of the list that begins at `old`, which must stand in brackets.
+Edit list_edit(const std::string& text, const YAML::Node& old, const std::string& sensor,
+               const std::string& values) {
   const auto from = static_cast<std::size_t>(old.Mark().pos);
-  const std::size_t end = text.find('}', from);
-  if (from >= text.size() || text[from] != '{' || end == std::string::npos)
+  const std::size_t end = text.find(']', from);
+  if (from >= text.size() || text[from] != '[' || end == std::string::npos)
     throw std::runtime_error("line " + std::to_string(old.Mark().line + 1) + ": write the pose of " + sensor +
                              " as {xyz: [x, y, z], rpy_deg: [roll, pitch, yaw]}, so that it can be replaced");
-  return {from, end + 1,
-          "{xyz: " + list_of(pose.translation(), 1e4) +
-              ", rpy_deg: " + list_of(rpy_of(pose) * deg_per_rad, 1e3) + "}"};
+  return {from, end + 1, values};
+}
+
+/// The numbers of a pose in place of the old ones; the angles in the unit of the old ones.
+void add_pose_edits(const std::string& text, const YAML::Node& old, const std::string& sensor,
+                    const Pose& pose, std::vector<Edit>& edits) {
+  const YAML::Node rpy = old["rpy"], rpy_deg = old["rpy_deg"];
+  const std::string degrees = list_of(rpy_of(pose) * deg_per_rad, 1e3);
+  edits.push_back(list_edit(text, old["xyz"], sensor, list_of(pose.translation(), 1e4)));
+  const bool flow = text[static_cast<std::size_t>(old.Mark().pos)] == '{';
+  if (rpy)
+    edits.push_back(list_edit(text, rpy, sensor, list_of(rpy_of(pose), 1e6)));
+  else if (rpy_deg)
+    edits.push_back(list_edit(text, rpy_deg, sensor, degrees));
+  else
+    edits.back().text += separator(flow, old.Mark()) + "rpy_deg: " + degrees;
 }
 
 /// The offset in place of the old one, or as a key before `pose`.
@@ -54,9 +73,7 @@ Edit time_offset_edit(const std::string& text, const YAML::Node& sensor, double 
     const YAML::Mark at = entry.first.Mark();
     const auto from = static_cast<std::size_t>(at.pos);
     const bool flow = text[static_cast<std::size_t>(sensor.Mark().pos)] == '{';
-    const std::string next =
-        flow ? std::string(", ") : "\n" + std::string(static_cast<std::size_t>(at.column), ' ');
-    return {from, from, "time_offset: " + number + next};
+    return {from, from, "time_offset: " + number + separator(flow, at)};
   }
   throw std::runtime_error("line " + std::to_string(sensor.Mark().line + 1) +
                            ": there is no pose beside which time_offset could be written");
@@ -69,7 +86,7 @@ std::string with_mounts(const std::string& text, const std::map<std::string, Mou
   std::vector<Edit> edits;
   for (const auto& [name, mount] : mounts) {
     if (mount.time_offset) edits.push_back(time_offset_edit(text, sensors[name], *mount.time_offset));
-    edits.push_back(pose_edit(text, sensors[name]["pose"], name, mount.pose));
+    add_pose_edits(text, sensors[name]["pose"], name, mount.pose, edits);
   }
   std::sort(edits.begin(), edits.end(), [](const Edit& a, const Edit& b) { return a.from > b.from; });
   std::string result = text;

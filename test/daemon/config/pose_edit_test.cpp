@@ -24,23 +24,29 @@ TEST(PoseEdit, ReplacesNumbersAndLeavesAllElseAsItIs) {
             "0, 0]}}\n");
 }
 
-TEST(PoseEdit, AddsAnglesThatAreMissing) {
+TEST(PoseEdit, KeepsTheUnitOfAnglesAndAddsThoseThatAreMissing) {
+  EXPECT_EQ(with_mounts("sensors: {a: {pose: {rpy: [0, 0, 0], xyz: [0, 0, 0]}}}", {{"a", {wanted, {}}}}),
+            "sensors: {a: {pose: {rpy: [0, 0, 1.570796], xyz: [1.25, -0.5, 0.3]}}}");
   EXPECT_EQ(with_mounts("sensors: {a: {pose: {xyz: [0, 0, 0]}}}", {{"a", {wanted, {}}}}),
             "sensors: {a: {pose: {xyz: [1.25, -0.5, 0.3], rpy_deg: [0, 0, 90]}}}");
+  EXPECT_EQ(
+      with_mounts("sensors:\n  a:\n    pose:\n      xyz: [0, 0, 0]\n    model: b\n", {{"a", {wanted, {}}}}),
+      "sensors:\n  a:\n    pose:\n      xyz: [1.25, -0.5, 0.3]\n      rpy_deg: [0, 0, 90]\n    model: b\n");
 }
 
 TEST(PoseEdit, WritesATimeOffsetInPlaceOfTheOldOneOrBesideThePose) {
   const MountEdit edit{wanted, -0.0123};
   EXPECT_EQ(
       with_mounts("sensors: {a: {time_offset: 0.5, pose: {xyz: [0, 0, 0], rpy: [0, 0, 0]}}}", {{"a", edit}}),
-      "sensors: {a: {time_offset: -0.0123, pose: {xyz: [1.25, -0.5, 0.3], rpy_deg: [0, 0, 90]}}}");
+      "sensors: {a: {time_offset: -0.0123, pose: {xyz: [1.25, -0.5, 0.3], rpy: [0, 0, 1.570796]}}}");
   EXPECT_EQ(with_mounts("sensors: {a: {model: b, pose: {xyz: [0, 0, 0], rpy: [0, 0, 0]}}}", {{"a", edit}}),
-            "sensors: {a: {model: b, time_offset: -0.0123, pose: {xyz: [1.25, -0.5, 0.3], rpy_deg: "
-            "[0, 0, 90]}}}");
-  EXPECT_EQ(with_mounts("sensors:\n  a:   # left\n    pose: {xyz: [0, 0, 0], rpy: [0, 0, 0]}  # tape\n",
-                        {{"a", edit}}),
-            "sensors:\n  a:   # left\n    time_offset: -0.0123\n    pose: {xyz: [1.25, -0.5, 0.3], rpy_deg: "
-            "[0, 0, 90]}  # tape\n");
+            "sensors: {a: {model: b, time_offset: -0.0123, pose: {xyz: [1.25, -0.5, 0.3], rpy: [0, 0, "
+            "1.570796]}}}");
+  EXPECT_EQ(
+      with_mounts("sensors:\n  a:   # left\n    pose: {xyz: [0, 0, 0], rpy: [0, 0, 0]}  # tape\n",
+                  {{"a", edit}}),
+      "sensors:\n  a:   # left\n    time_offset: -0.0123\n    pose: {xyz: [1.25, -0.5, 0.3], rpy: [0, 0, "
+      "1.570796]}  # tape\n");
 }
 
 TEST(PoseEdit, NamesTheLineOfAPoseThatItCannotReplace) {
@@ -49,7 +55,7 @@ TEST(PoseEdit, NamesTheLineOfAPoseThatItCannotReplace) {
                 {{"a", {wanted, {}}}});
     FAIL() << "was replaced";
   } catch (const std::runtime_error& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr("line 4: write the pose of a as {xyz: [x, y, z], rpy_deg"));
+    EXPECT_THAT(error.what(), testing::HasSubstr("line 5: write the pose of a as {xyz: [x, y, z], rpy_deg"));
   }
 }
 
