@@ -43,16 +43,19 @@ FrameKind kind_called(const Value& value, const Config& config) {
 MergedCloudConfig read_merged_cloud(const std::string& name, const Value& entry, Reading& reading) {
   if (reading.config.find_sensor(name) != nullptr)
     entry.fail_at_key("is the name of a sensor too", "a name of its own");
-  Mapping yaml = mapping_of(entry, merged_cloud_keys());
+  Mistakes mistakes;
+  Mapping yaml = mapping_of(entry, merged_cloud_keys(), mistakes);
   MergedCloudConfig merged;
   merged.name = name;
   merged.destination_frame = reading.config.vehicle.base_frame;
   merged.destination_topic = name;
   std::string expected = "names of sensors:";
   for (const SensorConfig& sensor : reading.config.sensors) expected += " " + sensor.name;
-  const SourceList list = read_sources(yaml, "sources", expected, kind_called, reading);
+  SourceList list;
+  mistakes.attempt([&] { list = read_sources(yaml, "sources", expected, kind_called, reading); });
   merged.sources = list.names;
-  read_keys(yaml, merged_cloud_keys(), merged);
+  read_keys(yaml, merged_cloud_keys(), merged, mistakes);
+  mistakes.throw_if_any();
   check_destination(yaml, merged.destination_frame, merged.destination_pose, reading);
   const Value& place = yaml.where("destination_topic");
   if (reading.config.find_sensor(merged.destination_topic) != nullptr)

@@ -86,8 +86,10 @@ void check_window(const Mapping& yaml, const char* low, const char* high, double
 }
 
 void read_one_source(const Value& entry, SourceSettings& settings) {
-  const Mapping yaml = mapping_of(entry, source_keys());
-  read_keys(yaml, source_keys(), settings);
+  Mistakes mistakes;
+  const Mapping yaml = mapping_of(entry, source_keys(), mistakes);
+  read_keys(yaml, source_keys(), settings, mistakes);
+  mistakes.throw_if_any();
   check_window(yaml, "range_min", "range_max", settings.range_min, settings.range_max);
   check_window(yaml, "angle_min", "angle_max", settings.angle_min, settings.angle_max);
 }
@@ -102,15 +104,19 @@ void read_source_settings(const Mapping& yaml, const std::vector<std::string>& w
   const auto& sources = merged.laserscan_topics;
   std::vector<std::string_view> names(sources.begin(), sources.end());
   names.insert(names.end(), written.begin(), written.end());
-  const Mapping entries(*section, names);
+  Mistakes mistakes;
+  const Mapping entries(*section, names, &mistakes);
   for (const auto& [name, entry] : entries.entries()) {
     const auto place = static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
     const std::string& source = sources[place % sources.size()];
-    const auto [settings, is_new] = merged.source_settings.emplace(source, common);
-    if (!is_new)
-      entry.fail_at_key("is " + source + ", which has settings already", "one entry for each source");
-    read_one_source(entry, settings->second);
+    mistakes.attempt([&, &entry = entry] {
+      const auto [settings, is_new] = merged.source_settings.emplace(source, common);
+      if (!is_new)
+        entry.fail_at_key("is " + source + ", which has settings already", "one entry for each source");
+      read_one_source(entry, settings->second);
+    });
   }
+  mistakes.throw_if_any();
 }
 
 void claim_topics(const Mapping& yaml, const Merged& merged, Reading& reading) {
@@ -147,29 +153,36 @@ void warn_without_footprint(const Mapping& yaml, const Merged& merged, Reading& 
 }
 
 Merged read_merged(const std::string& name, const Value& entry, Reading& reading) {
-  Mapping yaml = mapping_of(entry, merged_keys());
+  Mistakes mistakes;
+  Mapping yaml = mapping_of(entry, merged_keys(), mistakes);
   Merged merged;
   merged.name = name;
   merged.destination_frame = reading.config.vehicle.base_frame;
   merged.scan_destination_topic = name;
   const auto gives_scans = [](const Value&, const Config&) { return FrameKind::scan; };
-  const SourceList sources =
-      read_sources(yaml, "laserscan_topics", expected_sources(reading.config), gives_scans, reading);
+  SourceList sources;
+  const bool has_sources = mistakes.attempt([&] {
+    sources = read_sources(yaml, "laserscan_topics", expected_sources(reading.config), gives_scans, reading);
+  });
   merged.laserscan_topics = sources.names;
   std::vector<SourceLimits> limits;
   for (const NamedSource& source : sources.named)
     limits.push_back(source.sensor != nullptr ? SourceLimits(*source.sensor)
                                               : source.virtual_group->output.grid);
   default_ranges(limits, merged.output.grid);
-  read_keys(yaml, merged_keys(), merged);
-  read_also(yaml, merged.also);
-  check_destination(yaml, merged.destination_frame, merged.destination_pose, reading);
-  claim_topics(yaml, merged, reading);
-  check_output(yaml, merged.output, reading);
+  read_keys(yaml, merged_keys(), merged, mistakes);
+  mistakes.attempt([&] { read_also(yaml, merged.also); });
+  if (has_sources) mistakes.attempt([&] { read_source_settings(yaml, sources.written, merged); });
+  // The rules between keys need all of them.
+  mistakes.throw_if_any();
+  mistakes.attempt(
+      [&] { check_destination(yaml, merged.destination_frame, merged.destination_pose, reading); });
+  mistakes.attempt([&] { claim_topics(yaml, merged, reading); });
+  mistakes.attempt([&] { check_output(yaml, merged.output, reading); });
+  mistakes.attempt([&] { refuse_flat_sources(sources, merged); });
+  mistakes.attempt([&] { check_policy(yaml, sources, merged.schedule); });
+  mistakes.throw_if_any();
   warn_without_footprint(yaml, merged, reading);
-  refuse_flat_sources(sources, merged);
-  check_policy(yaml, sources, merged.schedule);
-  read_source_settings(yaml, sources.written, merged);
   return merged;
 }
 

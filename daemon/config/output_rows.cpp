@@ -80,8 +80,7 @@ void check_grid(const ScanGridSpec& spec, const Mapping& yaml, Reading& reading)
   const auto grid = make_grid(spec);
   const std::string path = yaml.self().path();
   if (!grid) {
-    const Place place = place_of_complaint(grid.reason(), yaml).place();
-    throw ConfigError(place.to_string() + ": " + path + ": " + grid.reason());
+    throw ConfigError(place_of_complaint(grid.reason(), yaml).place(), path + ": " + grid.reason());
   }
   if (grid->beams < gmapping_beam_limit) return;
   reading.warn(yaml.where(yaml.has("beams") ? "beams" : "angle_increment").place(),
@@ -147,13 +146,17 @@ bool knows_free_space(const OutputScanConfig& output, const std::vector<AlsoScan
 void read_also(const Mapping& yaml, std::vector<AlsoScanConfig>& also) {
   const auto section = yaml.find("also");
   if (!section) return;
-  for (const auto& [topic, value] : named_entries(*section)) {
-    check_entry_name(topic, value);
-    AlsoScanConfig one;
-    one.topic = topic;
-    read_section(value, also_key(), one);
-    also.push_back(one);
+  Mistakes mistakes;
+  for (const auto& [topic, value] : named_entries(*section, &mistakes)) {
+    mistakes.attempt([&, &topic = topic, &value = value] {
+      check_entry_name(topic, value);
+      AlsoScanConfig one;
+      one.topic = topic;
+      read_section(value, also_key(), one);
+      also.push_back(one);
+    });
   }
+  mistakes.throw_if_any();
 }
 
 }  // namespace lidard

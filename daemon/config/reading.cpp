@@ -148,6 +148,22 @@ void Reading::warn(const Place& place, const std::string& what) {
   config.warnings.push_back(place.to_string() + ": " + what);
 }
 
+void Reading::add_invalid_names(const std::string& name, const Value& entry) {
+  constexpr int deepest = 3;  // an alias may hold itself
+  invalid_names.insert(name);
+  const std::function<void(const YAML::Node&, int)> add = [&](const YAML::Node& node, int level) {
+    if (node.IsScalar()) invalid_names.insert(without_slash(node.Scalar()));
+    if (level == deepest) return;
+    for (const auto& child : node) add(node.IsMap() ? child.second : child, level + 1);
+  };
+  add(entry.node(), 0);
+}
+
+bool Reading::may_be_invalid(const std::string& name) const {
+  return !is_complete || config.sensors.empty() || invalid_names.count(name) != 0 ||
+         invalid_names.count(name.substr(0, name.find('/'))) != 0;
+}
+
 ConfigClaims::ConfigClaims() {
   for (const char* topic : {"clock", "diagnostics", "rosout", "tf", "tf_static"})
     topics_.emplace(topic, "ROS itself");
@@ -214,6 +230,7 @@ NamedSource read_source(const Value& value, FrameKind kind, const Reading& readi
     }
   }
   if (found != nullptr) return found->source;
+  if (reading.may_be_invalid(name)) throw ConfigError(std::vector<ConfigError::Mistake>());
   if (other_kind == nullptr) {
     std::vector<std::string_view> names;
     for (const Candidate& one : candidates) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -45,9 +46,16 @@ class ConfigClaims {
 struct Reading {
   Config config;
   ConfigClaims claims;
+  std::set<std::string> invalid_names;  ///< without leading slash
+  bool is_complete = true;              ///< false if the file has unknown sections
+  bool is_vehicle_valid = true;
 
   /// Keeps a remark that is no error.
   void warn(const Place& place, const std::string& what);
+  /// Keeps the names of an invalid entry: its own and every text in it, which may be a topic or a frame.
+  void add_invalid_names(const std::string& name, const Value& entry);
+  /// True if `name` may belong to something that is left out because of a mistake.
+  bool may_be_invalid(const std::string& name) const;
 };
 
 /// A pose from {xyz: m, rpy: rad or rpy_deg}.

@@ -37,14 +37,22 @@ void add_names(const Keys<Owner>& keys, std::vector<std::string>& names) {
   }
 }
 template <class Owner>
-Mapping mapping_of(const Value& value, const Keys<Owner>& keys) {
+Mapping mapping_of(const Value& value, const Keys<Owner>& keys, Mistakes& mistakes) {
   std::vector<std::string> names;
   add_names(keys, names);
-  return {value, {names.begin(), names.end()}};
+  return {value, {names.begin(), names.end()}, &mistakes};
 }
 
 template <class Owner>
-void read_keys(const Mapping& yaml, const Keys<Owner>& keys, Owner& owner);
+void read_keys(const Mapping& yaml, const Keys<Owner>& keys, Owner& owner, Mistakes& mistakes);
+
+/// Reads a mapping of these keys.
+template <class Owner>
+void read_mapping(const Value& value, const Keys<Owner>& keys, Owner& owner) {
+  Mistakes mistakes;
+  read_keys(mapping_of(value, keys, mistakes), keys, owner, mistakes);
+  mistakes.throw_if_any();
+}
 
 /// Reads the keys below `key`.
 template <class Owner>
@@ -53,7 +61,7 @@ void read_section(const Value& value, const KeyOf<Owner>& key, Owner& owner) {
     const auto& first = key.inner.front();
     first.set(owner, read_value(value, first));
   } else {
-    read_keys(mapping_of(value, key.inner), key.inner, owner);
+    read_mapping(value, key.inner, owner);
   }
 }
 
@@ -69,9 +77,13 @@ void read_key(const Mapping& yaml, const KeyOf<Owner>& key, Owner& owner) {
   if (key.most) limited.highest = key.most(owner);
   if (const auto value = read_value(yaml, limited); value && key.set) key.set(owner, *value);
 }
+/// Reads the keys; a mistake in one is kept in `mistakes` and leaves `owner` unchanged.
 template <class Owner>
-void read_keys(const Mapping& yaml, const Keys<Owner>& keys, Owner& owner) {
-  for (const auto& key : keys) read_key(yaml, key, owner);
+void read_keys(const Mapping& yaml, const Keys<Owner>& keys, Owner& owner, Mistakes& mistakes) {
+  for (const auto& key : keys) {
+    // A limit that depends on other keys is not known while one of them is wrong.
+    if (!key.most || !mistakes.any()) mistakes.attempt([&] { read_key(yaml, key, owner); });
+  }
 }
 
 /// Writes every key with its value, or the behaviour without a value.

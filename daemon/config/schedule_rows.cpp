@@ -34,17 +34,22 @@ SourceList read_sources(const Mapping& yaml, std::string_view key, const std::st
   const Value all = yaml.require(key, expected);
   list.values = all.names(expected);
   if (list.values.empty()) all.fail("names nothing", expected);
+  Mistakes mistakes;
   for (const Value& value : list.values) {
-    const FrameKind kind = kind_of(value, reading.config);
-    const NamedSource source = read_source(value, kind, reading, expected);
-    if (source.merged_cloud != nullptr) value.fail("names " + value.quoted() + ", a merged cloud", expected);
-    if (std::find(list.names.begin(), list.names.end(), source.name) != list.names.end())
-      value.fail("names " + source.name + " again", "every source once");
-    if (source.sensor != nullptr) reading.claims.uses(*source.sensor, kind, yaml.self().path(), value);
-    list.names.push_back(source.name);
-    list.written.push_back(value.text());
-    list.named.push_back(source);
+    mistakes.attempt([&] {
+      const FrameKind kind = kind_of(value, reading.config);
+      const NamedSource source = read_source(value, kind, reading, expected);
+      if (source.merged_cloud != nullptr)
+        value.fail("names " + value.quoted() + ", a merged cloud", expected);
+      if (std::find(list.names.begin(), list.names.end(), source.name) != list.names.end())
+        value.fail("names " + source.name + " again", "every source once");
+      if (source.sensor != nullptr) reading.claims.uses(*source.sensor, kind, yaml.self().path(), value);
+      list.names.push_back(source.name);
+      list.written.push_back(value.text());
+      list.named.push_back(source);
+    });
   }
+  mistakes.throw_if_any();
   return list;
 }
 

@@ -93,22 +93,20 @@ KeyOf<Output> also_row() {
   return keys::special<Output>("also", "{TOPIC: PROFILE, …}", get,
                                "more scans of the same evidence, by topic");
 }
-/// Reads the entries of a section, if there is one. Throws one ConfigError with a line for each entry in
-/// which something is wrong.
+/// Reads the entries of a section, if there is one. Of those in which something is wrong the names are kept.
 template <class Entry>
 void read_entries(const std::optional<Value>& section, std::vector<Entry>& entries, Reading& reading,
                   Entry (*read_one)(const std::string& name, const Value& entry, Reading& reading)) {
   if (!section) return;
-  std::string mistakes;
-  for (const auto& [name, value] : named_entries(*section)) {
-    try {
+  Mistakes mistakes;
+  for (const auto& [name, value] : named_entries(*section, &mistakes)) {
+    const bool is_valid = mistakes.attempt([&, &name = name, &value = value] {
       check_entry_name(name, value);
       entries.push_back(read_one(name, value, reading));
-    } catch (const ConfigError& mistake) {
-      mistakes += (mistakes.empty() ? "" : "\n") + std::string(mistake.what());
-    }
+    });
+    if (!is_valid) reading.add_invalid_names(name, value);
   }
-  if (!mistakes.empty()) throw ConfigError(mistakes);
+  mistakes.throw_if_any();
 }
 
 }  // namespace lidard

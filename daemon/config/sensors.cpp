@@ -39,7 +39,7 @@ Rejection refusal(const std::string& key, const SensorConfig& sensor) {
   return {"is not available for " + std::string(sensor.model->name) + ", only for " + models, instead};
 }
 
-void check_keys(const Mapping& yaml, const SensorConfig& sensor) {
+void check_keys(const Mapping& yaml, const SensorConfig& sensor, Mistakes& mistakes) {
   const auto& groups = sensor_groups();
   for (const auto& [key, value] : yaml.entries()) {
     const bool is_taken = std::any_of(
@@ -47,7 +47,7 @@ void check_keys(const Mapping& yaml, const SensorConfig& sensor) {
         [&, &name = key](const SensorGroup& group) { return takes(sensor, group) && holds(group, name); });
     if (is_taken) continue;
     const Rejection why = refusal(key, sensor);
-    value.fail_at_key(why.what, why.expected);
+    mistakes.attempt([&, &value = value] { value.fail_at_key(why.what, why.expected); });
   }
 }
 
@@ -78,7 +78,7 @@ void read_kind(Mapping& yaml, SensorConfig& sensor) {
     yaml.where("topic").fail_at_key("is given beside model",
                                     "one of them: model (our driver) or topic (another driver)");
   if (!model && !yaml.has("topic"))
-    yaml.self().fail_at_key("has neither model nor topic", "model: a name from `lidard models`, or topic:");
+    yaml.fail_missing("has neither model nor topic", "model: a name from `lidard models`, or topic:");
   if (!model) return;
   sensor.model = read_model(*model);
   set_defaults(sensor);
@@ -203,8 +203,8 @@ void read_ring_scan(Mapping& yaml, SensorConfig& sensor) {
   sensor.driver.keep_too_near = true;
 }
 
-void check_cloud(Mapping& yaml, SensorConfig& sensor, const VehicleConfig& vehicle) {
-  if (sensor.deskew && !vehicle.has_motion())
+void check_cloud(Mapping& yaml, SensorConfig& sensor, const Reading& reading) {
+  if (sensor.deskew && !reading.config.vehicle.has_motion() && reading.is_vehicle_valid)
     yaml.where("deskew").fail_at_key("needs to know how the vehicle moves",
                                      "vehicle.odometry_frame, vehicle.odometry_topic or vehicle.imu_topic");
   if (!sensor.model->has(Trait::revolutions)) return;
@@ -296,33 +296,39 @@ void read_calibration(Mapping& yaml, SensorConfig& sensor, Reading& reading) {
   sensor.driver.calibration = std::move(calibration);
 }
 
-void check_device(Mapping& yaml, SensorConfig& sensor, Reading& reading) {
-  check_network(yaml, sensor);
-  check_beams(yaml, sensor.driver);
-  check_filter(yaml, sensor);
+void check_device(Mapping& yaml, SensorConfig& sensor, Reading& reading, Mistakes& mistakes) {
+  mistakes.attempt([&] { check_network(yaml, sensor); });
+  mistakes.attempt([&] { check_beams(yaml, sensor.driver); });
+  mistakes.attempt([&] { check_filter(yaml, sensor); });
   if (sensor.model->has(Trait::web_control) && sensor.packet_topic.empty())
-    check_control(yaml, sensor, reading);
-  if (sensor.model->has(Trait::calibration)) read_calibration(yaml, sensor, reading);
-  check_requests(yaml, sensor);
-  check_cloud(yaml, sensor, reading.config.vehicle);
+    mistakes.attempt([&] { check_control(yaml, sensor, reading); });
+  if (sensor.model->has(Trait::calibration))
+    mistakes.attempt([&] { read_calibration(yaml, sensor, reading); });
+  mistakes.attempt([&] { check_requests(yaml, sensor); });
+  // The level ring may depend on the calibration.
+  if (!mistakes.any()) mistakes.attempt([&] { check_cloud(yaml, sensor, reading); });
 }
 
 SensorConfig read_sensor(const std::string& name, const Value& entry, Reading& reading) {
   std::vector<std::string> names;
   for (const SensorGroup& group : sensor_groups()) add_names(group.keys, names);
-  Mapping yaml(entry, {names.begin(), names.end()});
+  Mistakes mistakes;
+  Mapping yaml(entry, {names.begin(), names.end()}, &mistakes);
   SensorConfig sensor;
   sensor.name = sensor.frame_id = name;
-  read_kind(yaml, sensor);
+  const bool is_known = mistakes.attempt([&] { read_kind(yaml, sensor); });
   for (const SensorGroup& group : sensor_groups()) {
-    if (takes(sensor, group)) read_keys(yaml, group.keys, sensor);
+    if (!is_known || takes(sensor, group)) read_keys(yaml, group.keys, sensor, mistakes);
   }
-  check_keys(yaml, sensor);
+  if (is_known) check_keys(yaml, sensor, mistakes);
+  // The rules between keys need all of them.
+  mistakes.throw_if_any();
   sensor.driver.frame_id = sensor.frame_id;
-  claim_pose(yaml, sensor, reading);
-  if (sensor.model != nullptr) check_device(yaml, sensor, reading);
-  claim_topics(yaml, sensor, reading);
-  check_distinct(yaml, sensor, reading.config.sensors);
+  mistakes.attempt([&] { claim_pose(yaml, sensor, reading); });
+  if (sensor.model != nullptr) check_device(yaml, sensor, reading, mistakes);
+  mistakes.attempt([&] { claim_topics(yaml, sensor, reading); });
+  mistakes.attempt([&] { check_distinct(yaml, sensor, reading.config.sensors); });
+  mistakes.throw_if_any();
   return sensor;
 }
 
@@ -337,6 +343,8 @@ void set_ring_limits(SensorConfig& sensor) {
 
 void read_sensors(Mapping& root, Reading& reading) {
   const std::string expected = "sensors: with at least one entry, each with model: or topic:";
+  // A section that is indented too far is an unknown key of `vehicle`.
+  if (!root.has("sensors") && !reading.is_vehicle_valid) return;
   const Value section = root.require("sensors", expected);
   read_entries(section, reading.config.sensors, reading, read_sensor);
   if (reading.config.sensors.empty()) section.fail("is empty", expected);

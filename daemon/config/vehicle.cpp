@@ -97,13 +97,15 @@ void read_vehicle(Mapping& root, Reading& reading) {
   const auto section = root.find("vehicle");
   if (!section) return;
   VehicleConfig& vehicle = reading.config.vehicle;
-  Mapping yaml = mapping_of(*section, vehicle_keys());
-  read_keys(yaml, vehicle_keys(), vehicle);
-  if (const auto footprint = yaml.find("footprint")) {
-    vehicle.footprint = read_footprint(*footprint);
-    // The outline is published: RosOutline.
-    if (!vehicle.footprint.empty()) reading.claims.publishes("footprint", "vehicle.footprint", *footprint);
-  }
+  Mistakes mistakes;
+  Mapping yaml = mapping_of(*section, vehicle_keys(), mistakes);
+  read_keys(yaml, vehicle_keys(), vehicle, mistakes);
+  if (const auto footprint = yaml.find("footprint"))
+    mistakes.attempt([&] { vehicle.footprint = read_footprint(*footprint); });
+  mistakes.throw_if_any();
+  // The outline is published: RosOutline.
+  if (!vehicle.footprint.empty())
+    reading.claims.publishes("footprint", "vehicle.footprint", yaml.where("footprint"));
   check_motion(yaml, vehicle);
 }
 
@@ -126,10 +128,8 @@ const Keys<BlackBoxConfig>& black_box_keys() {
 }
 
 void read_black_box(Mapping& root, Reading& reading) {
-  const auto section = root.find("blackbox");
-  if (!section) return;
-  Mapping yaml = mapping_of(*section, black_box_keys());
-  read_keys(yaml, black_box_keys(), reading.config.black_box);
+  if (const auto section = root.find("blackbox"))
+    read_mapping(*section, black_box_keys(), reading.config.black_box);
 }
 
 }  // namespace lidard

@@ -80,12 +80,16 @@ void read_poses(Mapping& yaml, Virtual& scan, Reading& reading) {
     scan.poses[scan.base_frame] = Pose::Identity();
   const auto section = yaml.find("poses");
   if (!section) return;
-  const Mapping poses(*section, frames);
+  Mistakes mistakes;
+  const Mapping poses(*section, frames, &mistakes);
   for (const auto& [frame, value] : poses.entries()) {
-    const Pose pose = read_pose(value);
-    reading.claims.holds_frame(frame, scan.base_frame, pose, yaml.self().path(), value);
-    scan.poses[frame] = pose;
+    mistakes.attempt([&, &frame = frame, &value = value] {
+      const Pose pose = read_pose(value);
+      reading.claims.holds_frame(frame, scan.base_frame, pose, yaml.self().path(), value);
+      scan.poses[frame] = pose;
+    });
   }
+  mistakes.throw_if_any();
 }
 
 void claim_topics(Mapping& yaml, const Virtual& scan, Reading& reading) {
@@ -165,19 +169,24 @@ void set_defaults(const std::vector<std::string>& sources, const Config& config,
 }
 
 Virtual read_virtual(const std::string& name, const Value& entry, Reading& reading) {
-  Mapping yaml = mapping_of(entry, virtual_keys());
+  Mistakes mistakes;
+  Mapping yaml = mapping_of(entry, virtual_keys(), mistakes);
   Virtual scan = default_virtual_scan();
   scan.name = name;
   scan.base_frame = reading.config.vehicle.base_frame;
-  const std::vector<std::string> sources = read_cloud_source(yaml, scan, reading);
+  std::vector<std::string> sources;
+  mistakes.attempt([&] { sources = read_cloud_source(yaml, scan, reading); });
   set_defaults(sources, reading.config, scan);
-  read_frames(yaml, scan);
-  read_keys(yaml, virtual_keys(), scan);
-  read_also(yaml, scan.also);
-  read_poses(yaml, scan, reading);
-  claim_topics(yaml, scan, reading);
-  check_output(yaml, scan.output, reading);
-  if (!scan.has_visibility()) refuse_without_visibility(yaml);
+  const bool has_frames = mistakes.attempt([&] { read_frames(yaml, scan); });
+  read_keys(yaml, virtual_keys(), scan, mistakes);
+  mistakes.attempt([&] { read_also(yaml, scan.also); });
+  if (has_frames) mistakes.attempt([&] { read_poses(yaml, scan, reading); });
+  // The rules between keys need all of them.
+  mistakes.throw_if_any();
+  mistakes.attempt([&] { claim_topics(yaml, scan, reading); });
+  mistakes.attempt([&] { check_output(yaml, scan.output, reading); });
+  if (!scan.has_visibility()) mistakes.attempt([&] { refuse_without_visibility(yaml); });
+  mistakes.throw_if_any();
   if (scan.has_visibility()) prepare_sources(sources, reading);
   return scan;
 }

@@ -47,7 +47,7 @@ std::optional<bool> truth_of(std::string_view word) {
 }
 
 [[noreturn]] void fail_at(const Place& place, const std::string& what, const std::string& expected) {
-  throw ConfigError(place.to_string() + ": " + what + "; expected " + expected);
+  throw ConfigError(place, what + "; expected " + expected);
 }
 
 Place place_of(const YAML::Mark& mark, const Place& otherwise) {
@@ -158,6 +158,15 @@ std::string comma_list(const std::vector<std::string_view>& words) {
   return list;
 }
 
+[[noreturn]] void fail_unknown(const std::string& key, const Value& entry,
+                               const std::vector<std::string_view>& known_keys) {
+  if (const std::string_view instead = instead_of(entry.path()); !instead.empty())
+    fail_at(entry.key_place(), entry.path() + " is a key of former versions", std::string(instead));
+  const std::string_view near = nearest_word(key, known_keys);
+  fail_at(entry.key_place(), "unknown key " + entry.path(),
+          near.empty() ? "one of " + comma_list(known_keys) : std::string(near));
+}
+
 // A configuration is a few kB, a calibration some 100 kB.
 constexpr std::size_t largest_file = 1U << 20U;  // bytes
 
@@ -260,17 +269,19 @@ std::vector<Value> Value::names(const std::string& expected) const {
   return values;
 }
 
-Mapping::Mapping(const Value& value, const std::vector<std::string_view>& known_keys)
-    : self_(value), entries_(named_entries(value)) {
-  for (const auto& [key, entry] : entries_) {
+Mapping::Mapping(const Value& value, const std::vector<std::string_view>& known_keys, Mistakes* mistakes)
+    : self_(value) {
+  Mistakes own;
+  Mistakes& all = mistakes != nullptr ? *mistakes : own;
+  for (auto& one : named_entries(value, &all)) {
+    const auto& [key, entry] = one;
     if (known_keys.empty() || std::find(known_keys.begin(), known_keys.end(), key) != known_keys.end())
-      continue;
-    if (const std::string_view instead = instead_of(entry.path()); !instead.empty())
-      fail_at(entry.key_place(), entry.path() + " is a key of former versions", std::string(instead));
-    const std::string_view near = nearest_word(key, known_keys);
-    fail_at(entry.key_place(), "unknown key " + entry.path(),
-            near.empty() ? "one of " + comma_list(known_keys) : std::string(near));
+      entries_.push_back(std::move(one));
+    else
+      all.attempt([&, &key = key, &entry = entry] { fail_unknown(key, entry, known_keys); });
   }
+  is_complete_ = !all.any();
+  own.throw_if_any();
 }
 
 const Value* Mapping::entry(std::string_view key) const {
@@ -286,8 +297,13 @@ std::optional<Value> Mapping::find(std::string_view key) const {
 
 Value Mapping::require(std::string_view key, const std::string& expected) const {
   const Value* const value = entry(key);
-  if (value == nullptr) self_.fail_at_key("has no " + std::string(key), expected);
+  if (value == nullptr) fail_missing("has no " + std::string(key), expected);
   return *value;
+}
+
+void Mapping::fail_missing(const std::string& what, const std::string& expected) const {
+  if (!is_complete_) throw ConfigError(std::vector<ConfigError::Mistake>());
+  self_.fail_at_key(what, expected);
 }
 
 const Value& Mapping::where(std::string_view key) const {
@@ -316,26 +332,29 @@ std::optional<double> Mapping::angle(const std::string& key) const {
   return angle;
 }
 
-std::vector<std::pair<std::string, Value>> named_entries(const Value& value) {
+std::vector<std::pair<std::string, Value>> named_entries(const Value& value, Mistakes* mistakes) {
   std::vector<std::pair<std::string, Value>> entries;
   if (value.is_null()) return entries;
   if (!value.node().IsMap()) value.fail("is " + value.quoted(), "a mapping (`key: value` lines)");
   const std::string prefix = value.path().empty() ? "" : value.path() + ".";
   std::map<std::string, Place> seen;
   std::size_t merged = 0;
+  Mistakes own;
+  Mistakes& all = mistakes != nullptr ? *mistakes : own;
   for (const YAML::Node& map : with_merged(value, value.node(), merged)) {
     // Nearer keys override merged ones; a repeated key is a mistake only within one mapping.
     const std::map<std::string, Place> nearer = seen;
     for (const auto& entry : map) {
       if (is_merge(entry) || (entry.first.IsScalar() && nearer.count(entry.first.Scalar()) != 0)) continue;
       const Place key_place = place_of(entry.first.Mark(), value.key_place());
-      check_key(entry.first, key_place, value, prefix, seen);
+      if (!all.attempt([&] { check_key(entry.first, key_place, value, prefix, seen); })) continue;
       // The parser gives a missing value the place of the next token.
       const Place place = entry.second.IsNull() ? key_place : place_of(entry.second.Mark(), key_place);
       const std::string& key = entry.first.Scalar();
       entries.emplace_back(key, Value(entry.second, place, key_place, prefix + shorten(key)));
     }
   }
+  own.throw_if_any();
   return entries;
 }
 

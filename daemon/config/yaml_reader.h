@@ -73,14 +73,20 @@ class Value {
 /// A YAML mapping with known keys. Unknown and repeated keys are mistakes.
 class Mapping {
  public:
-  /// A value of null is an empty mapping. Without known keys any key is allowed.
-  Mapping(const Value& value, const std::vector<std::string_view>& known_keys);
+  /// A value of null is an empty mapping. Without known keys any key is allowed. With `mistakes` only the
+  /// unknown and repeated keys are left out, and it keeps their mistakes.
+  Mapping(const Value& value, const std::vector<std::string_view>& known_keys, Mistakes* mistakes = nullptr);
 
   const Value& self() const { return self_; }
   /// The value of `key`; empty if it is missing.
   std::optional<Value> find(std::string_view key) const;
   /// The same; throws `… is missing; expected` if it is missing.
   Value require(std::string_view key, const std::string& expected) const;
+  /// Throws "place: path what; expected …" for a missing key; without a text if it may be one of the unknown
+  /// keys.
+  [[noreturn]] void fail_missing(const std::string& what, const std::string& expected) const;
+  /// False if there are unknown or repeated keys.
+  bool is_complete() const { return is_complete_; }
   /// The value of `key` or `key`_deg, or the mapping itself if both are missing; for messages.
   const Value& where(std::string_view key) const;
   /// True if `key` or `key`_deg is present.
@@ -99,11 +105,12 @@ class Mapping {
 
   Value self_;
   std::vector<std::pair<std::string, Value>> entries_;
+  bool is_complete_ = true;
 };
 
 /// The entries of a mapping with names chosen by the user, in the order of the file. Keys that are not plain
-/// text or repeated are mistakes.
-std::vector<std::pair<std::string, Value>> named_entries(const Value& value);
+/// text or repeated are mistakes; with `mistakes` only these entries are left out.
+std::vector<std::pair<std::string, Value>> named_entries(const Value& value, Mistakes* mistakes = nullptr);
 
 /// Parses one YAML document; throws ConfigError for syntax errors and more than one document.
 Value parse_yaml(const std::string& text, const std::string& file);

@@ -133,7 +133,8 @@ TEST(ConfigSources, RefusesCloudsThatAreNone) {
             "expected roof");
   EXPECT_EQ(virtual_error("virtual_laser_scan: a"),
             "f:7:3: virtual_scans.v has no cloud_topic; expected a sensor that gives clouds: roof, rear");
-  EXPECT_EQ(error_of("sensors: {a: {model: sick_microscan3}}\nvirtual_scans: {v: {cloud_topic: a}}"),
+  EXPECT_EQ(error_of("sensors: {a: {model: sick_microscan3}}\n"
+                     "virtual_scans: {v: {cloud_topic: a, virtual_laser_scan: b}}"),
             "f:2:34: virtual_scans.v.cloud_topic names a, a sick_microscan3, which gives scans; expected a "
             "sensor that gives clouds: none is configured");
 }
