@@ -31,7 +31,7 @@ std::string text_of(const FoundSensor& sensor) {
 /// The sensor to decode. Throws std::runtime_error if there is none, or there are several.
 FoundSensor choose_sensor(const DecodeOptions& options, const Model* model, std::ostream& err) {
   const auto wanted = [&](const Packet& packet) { return is_wanted(packet, options); };
-  Survey found = survey_of_sensors({options.capture}, err, {model, wanted});
+  Survey found = survey_of_sensors({options.capture}, err, {model, wanted, true});
   if (found.sensors.size() == 1) return std::move(found.sensors.front());
   std::string several = options.capture + ": " + std::to_string(found.sensors.size()) +
                         " sensors found; choose one with --source and --port:";

@@ -57,7 +57,7 @@ void add_to(SeenFlow& flow, const Packet& packet) {
   flow.last = std::max(flow.last, packet.arrival);
 }
 
-/// Calls `use` with every datagram and chunk; returns the properties of the file.
+/// Calls `use` with datagrams and chunks until it returns false; returns the properties of the file.
 template <typename Use>
 SurveyedCapture read(const std::string& file, Use use) {
   SurveyedCapture capture;
@@ -68,7 +68,7 @@ SurveyedCapture read(const std::string& file, Use use) {
     while (source.next(packet)) {
       capture.first = std::min(capture.first.value_or(packet.arrival), packet.arrival);
       capture.last = std::max(capture.last.value_or(packet.arrival), packet.arrival);
-      use(packet);
+      if (!use(packet)) break;
     }
     capture.counters = source.counters();
     capture.error = source.error();
@@ -157,8 +157,8 @@ void sort_out(Flows& flows, const Model* wanted, Survey& out) {
                    [](const SeenFlow& a, const SeenFlow& b) { return a.packets > b.packets; });
 }
 
-/// Runs the drivers of the sensors.
-void judge(const std::vector<std::string>& captures, std::vector<FoundSensor>& sensors) {
+/// Runs the drivers of the sensors; `first_frames`: until each has given a frame.
+void judge(const std::vector<std::string>& captures, bool first_frames, std::vector<FoundSensor>& sensors) {
   struct Receiver {
     std::unique_ptr<Driver> driver;
     FrameTimes times;
@@ -175,10 +175,12 @@ void judge(const std::vector<std::string>& captures, std::vector<FoundSensor>& s
   for (const std::string& file : captures) {
     read(file, [&](Packet packet) {
       const std::size_t* owner = owners.find(packet);
-      if (owner == nullptr) return;
+      if (owner == nullptr) return true;
       Receiver& receiver = receivers[*owner];
       if (packet.transport == Transport::udp || receiver.connection.pick(packet))
         receiver.driver->receive(packet, receiver.times);
+      return !first_frames || std::any_of(sensors.begin(), sensors.end(),
+                                          [](const FoundSensor& sensor) { return sensor.frames == 0; });
     });
   }
   for (std::size_t i = 0; i < sensors.size(); ++i) {
@@ -234,11 +236,13 @@ Survey survey(const std::vector<std::string>& captures, const SurveyOptions& opt
   Survey out;
   Flows flows;
   for (const std::string& file : captures) {
-    out.captures.push_back(
-        read(file, [&](const Packet& packet) { watch(packet, options, flows, out.uncounted); }));
+    out.captures.push_back(read(file, [&](const Packet& packet) {
+      watch(packet, options, flows, out.uncounted);
+      return true;
+    }));
   }
   sort_out(flows, options.model, out);
-  if (!out.sensors.empty()) judge(captures, out.sensors);
+  if (!out.sensors.empty()) judge(captures, options.first_frames, out.sensors);
   if (options.model == nullptr) return out;
   const auto unproven = std::stable_partition(out.sensors.begin(), out.sensors.end(), is_proven);
   for (auto sensor = unproven; sensor != out.sensors.end(); ++sensor) out.unknown.push_back(sensor->data);

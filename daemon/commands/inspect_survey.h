@@ -73,6 +73,7 @@ struct Survey {
 struct SurveyOptions {
   const Model* model = nullptr;                       ///< nullptr: any, from the packets
   std::function<bool(const Packet&)> is_wanted = {};  ///< empty: all packets
+  bool first_frames = false;                          ///< the drivers run until each has given a frame
 };
 
 /// Reads the captures twice: to recognize the sensors, and to run their drivers.
