@@ -207,9 +207,6 @@ struct Commands {
     c->add_option("--motion", snapshot.motion, "A bag whose tf or odometry says how the vehicle moved");
     c->add_option("--width", snapshot.width, "Pixels of the picture; default: about 1200")
         ->check(CLI::Range(500, 4000));
-    c->add_option("--color", snapshot.color, "What the colours of clouds tell: height, ring or intensity")
-        ->check(CLI::IsMember({"height", "ring", "intensity"}))
-        ->capture_default_str();
     c->add_option("-o,--output", snapshot.output, "Picture to write, .png or .svg")->required();
     c->callback([this] { action = [this] { return run_snapshot(snapshot, std::cerr); }; });
   }

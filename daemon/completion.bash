@@ -25,7 +25,6 @@ _lidard() {
     --calibration-model) _lidard_words "ros_drivers exact veloview"; return ;;
     --format) _lidard_words "csv pcd json"; return ;;
     --rate) _lidard_words "max 1"; return ;;
-    --color) _lidard_words "height ring intensity"; return ;;
   esac
   case $command:$word in
     run:*) _lidard_words "--config --help" ;;
@@ -33,7 +32,7 @@ _lidard() {
     decode:-*) _lidard_words "--model --source --port --calibration --calibration-model --format --frame --clock --time --output --help" ;;
     record:*) _lidard_words "--config --output --interface --duration --help" ;;
     calibrate:-*) _lidard_words "--config --pcap --bag --motion --reference --json --output --picture --help" ;;
-    snapshot:-*) _lidard_words "--config --pcap --at --range --areas --motion --width --color --output --help" ;;
+    snapshot:-*) _lidard_words "--config --pcap --at --range --areas --motion --width --output --help" ;;
     inspect:-* | models:*) _lidard_words "--json --help" ;;
     keys:*) _lidard_words "--markdown --man --json --help" ;;
     check:-*) _lidard_words "--ports --help" ;;

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/commands/calibrate.h"
 
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <ostream>
 #include <stdexcept>
@@ -62,12 +60,6 @@ Pose new_pose(const CalibratedSensor& sensor, bool has_drive) {
   return pose;
 }
 
-std::string content_of(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw std::runtime_error(path + ": cannot be read");
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
 void write_mounts(const CalibrateOptions& options, const std::vector<CalibratedSensor>& sensors) {
   std::map<std::string, MountEdit> mounts;
   for (const CalibratedSensor& sensor : sensors) {
@@ -77,7 +69,7 @@ void write_mounts(const CalibrateOptions& options, const std::vector<CalibratedS
     if (sensor.sigma(3)) edit.time_offset = sensor.time_offset_after();
   }
   TextFile file(options.output);
-  file.write(with_mounts(content_of(options.config), mounts));
+  file.write(with_mounts(read_file(options.config, "a readable YAML file"), mounts));
   file.close();
 }
 
@@ -125,13 +117,14 @@ int calibrate(const CalibrateOptions& options, std::ostream& out, std::ostream& 
     if (sensor.is_changed()) sensor.after = new_pose(sensor, driven != nullptr);
     any = any || sensor.is_changed();
   }
+  const CalibrationReport report = calibration_report(sensors, solution, driven);
   if (options.json) {
-    out << calibration_json(sensors, solution, driven).dump(2) << '\n';
+    out << report.dump(2) << '\n';
   } else {
-    print_columns(calibration_table(sensors, driven), out);
-    for (const CalibratedSensor& sensor : sensors)
-      out << sensor.config->name << ": " << calibration_sentence(sensor, driven) << '\n';
-    if (driven != nullptr) out << odometry_sentence(*driven) << '\n';
+    print_columns(calibration_table(report), out);
+    for (const auto& [name, sensor] : report["sensors"].items())
+      out << name << ": " << cell(sensor["remark"]) << '\n';
+    if (driven != nullptr) out << cell(report["odometry"]["remark"]) << '\n';
   }
   if (!options.picture.empty()) draw_calibration(options.picture, sensors, config, driven);
   if (any && !options.output.empty()) write_mounts(options, sensors);

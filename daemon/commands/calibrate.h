@@ -65,13 +65,11 @@ struct CalibratedSensor {
 std::vector<CalibratedSensor> play_calibrated(const CalibrateOptions& options, const Config& config,
                                               const Drive* drive);
 
-TextTable calibration_table(const std::vector<CalibratedSensor>& sensors, const Drive* drive);
-/// What is known of a sensor, or why not, and what would help.
-std::string calibration_sentence(const CalibratedSensor& sensor, const Drive* drive);
-/// What is known of the odometry.
-std::string odometry_sentence(const Drive& drive);
-nlohmann::json calibration_json(const std::vector<CalibratedSensor>& sensors, const MountSolution& solution,
-                                const Drive* drive);
+/// The results, for scripts as they are and for people as a table with remarks.
+using CalibrationReport = nlohmann::ordered_json;
+CalibrationReport calibration_report(const std::vector<CalibratedSensor>& sensors,
+                                     const MountSolution& solution, const Drive* drive);
+TextTable calibration_table(const CalibrationReport& report);
 /// Draws what the sensors saw, before and after, side by side.
 void draw_calibration(const std::string& path, const std::vector<CalibratedSensor>& sensors,
                       const Config& config, const Drive* drive);

@@ -22,11 +22,24 @@ constexpr double cloud_step = 0.2 * rad_per_deg;
 // s before and after a frame in which the vehicle must stand, and m that its first stop may be away.
 constexpr double still_s = 0.3, same_stop_m = 0.01;
 
-/// Sorts the frames of sensors into those of the vehicle's stop and sweeps of its drive.
-class FrameCollector {
+/// Sorts the frames that come out of the pipeline, and those of other drivers, into those of the vehicle's
+/// stop and sweeps of its drive.
+class FrameCollector final : public FrameSink {
  public:
-  FrameCollector(const Config& config, const Drive* drive)
-      : drive_(drive), vehicle_(Footprint(config.vehicle.footprint).padded(Footprint::margin_m)) {}
+  FrameCollector(const Config& config, const Drive* drive, std::vector<CalibratedSensor>& sensors)
+      : drive_(drive),
+        vehicle_(Footprint(config.vehicle.footprint).padded(Footprint::margin_m)),
+        sensors_(sensors) {}
+
+  void publish(const OutputTopic& topic, const Payload& payload, Stamp /*released*/) override {
+    for (CalibratedSensor& sensor : sensors_) {
+      if (sensor.config->model == nullptr || frame_topic(*sensor.config).name != topic.name) continue;
+      if (const auto* scan = std::get_if<const PlanarScan*>(&payload))
+        add(sensor, **scan);
+      else if (auto* cloud = std::get_if<Cloud*>(&payload); cloud != nullptr && (*cloud)->complete)
+        add(sensor, **cloud);
+    }
+  }
 
   void add(CalibratedSensor& sensor, const PlanarScan& scan) {
     if (stands(scan.stamp)) {
@@ -93,27 +106,8 @@ class FrameCollector {
 
   const Drive* drive_;
   Footprint vehicle_;
-  std::optional<double> stop_;  // s, when the vehicle first stood
-};
-
-/// Collects what comes out of the pipeline.
-class CollectorSink final : public FrameSink {
- public:
-  CollectorSink(std::vector<CalibratedSensor>& sensors, FrameCollector& collector)
-      : sensors_(sensors), collector_(collector) {}
-  void publish(const OutputTopic& topic, const Payload& payload, Stamp /*released*/) override {
-    for (CalibratedSensor& sensor : sensors_) {
-      if (sensor.config->model == nullptr || frame_topic(*sensor.config).name != topic.name) continue;
-      if (const auto* scan = std::get_if<const PlanarScan*>(&payload))
-        collector_.add(sensor, **scan);
-      else if (auto* cloud = std::get_if<Cloud*>(&payload); cloud != nullptr && (*cloud)->complete)
-        collector_.add(sensor, **cloud);
-    }
-  }
-
- private:
   std::vector<CalibratedSensor>& sensors_;
-  FrameCollector& collector_;
+  std::optional<double> stop_;  // s, when the vehicle first stood
 };
 
 /// The configuration without what changes the frames of a sensor or is made of them.
@@ -186,13 +180,12 @@ std::vector<CalibratedSensor> play_calibrated(const CalibrateOptions& options, c
   for (const SensorConfig& sensor : config.sensors) {
     if (sensor.pose) sensors.emplace_back(sensor, *sensor.pose);
   }
-  FrameCollector collector(config, drive);
+  FrameCollector collector(config, drive, sensors);
   if (!options.bag.empty()) add_topics(options.bag, sensors, collector);
-  CollectorSink sink(sensors, collector);
   MergedCapture capture(options.captures);
   const Config played = bare(config);
   BagPoses no_motion("", played.vehicle);
-  Pipeline pipeline(played, no_motion, sink);
+  Pipeline pipeline(played, no_motion, collector);
   ReplayOptions fast;
   fast.rate = 0;
   Player(fast, capture, pipeline).play([] { return false; });

@@ -48,7 +48,7 @@ Points points_of(const CalibratedSensor& sensor, const Pose& pose, double time_o
 SnapshotView view_of(const std::vector<CalibratedSensor>& sensors, const Config& config, const Drive* drive,
                      bool after) {
   SnapshotView view;
-  view.title = after ? "After" : "Before", view.has_legend = after;
+  view.title = after ? "After" : "Before";
   view.subtitle = after ? "Walls as the poses found place them" : "Walls as the configured poses place them";
   view.base_frame = config.vehicle.base_frame, view.footprint = config.vehicle.footprint;
   std::optional<DriveTrack> track;
@@ -60,7 +60,7 @@ SnapshotView view_of(const std::vector<CalibratedSensor>& sensors, const Config&
     const Pose& pose = after ? sensor.after : sensor.before;
     const std::size_t number = view.layers.size();
     view.sensors.push_back(
-        {sensor.config->name, pose.translation().head<2>(), {}, false, SnapshotView::Role::input, number});
+        {sensor.config->name, pose.translation().head<2>(), SnapshotView::Role::input, number});
     SnapshotView::Layer layer;
     layer.number = number, layer.name = sensor.config->name, layer.dot = 1.5;
     const Eigen::Vector3d moved = 1000 * (sensor.after.translation() - sensor.before.translation());

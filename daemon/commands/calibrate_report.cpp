@@ -69,6 +69,36 @@ std::string drive_sentence(const CalibratedSensor& sensor, const Drive& drive) {
          (sensor.drive.moves < 10 ? "drive where walls and boxes stand on several sides" : drive.advice());
 }
 
+/// What is known of a sensor, or why not, and what would help.
+std::string calibration_sentence(const CalibratedSensor& sensor, const Drive* drive) {
+  std::string grids;
+  if (sensor.left_out > 0)
+    grids = fmt::format(
+        "; {} of {} scans of the stop are left out: their beams or angles differ from those of the first "
+        "scan; "
+        "record with unchanged settings of the scanner",
+        sensor.left_out, sensor.left_out + sensor.scans.frames());
+  if (drive == nullptr) return stop_sentence(sensor) + grids;
+  std::string text = sensor.scans.frames() == 0
+                         ? "no stop: stand 5 s before the drive, so that sensors are found "
+                           "against each other, too"
+                     : sensor.estimate.verdict == MountVerdict::reference ? "the reference"
+                                                                          : stop_sentence(sensor);
+  return text + grids + "; " + drive_sentence(sensor, *drive);
+}
+
+/// What is known of the odometry.
+std::string odometry_sentence(const Drive& drive) {
+  const DriveSolution& s = drive.solution;
+  const auto factor = [](double scale, double sigma) {
+    return sigma < worst_scale ? fmt::format("{:.4f} +- {:.4f}", scale, sigma) : "- (not determined)";
+  };
+  return fmt::format(
+      "odometry: multiply distances by {}, turns by {}; it strays by {:.1f} mm and {:.2f} deg in 1 m",
+      factor(s.scale, s.scale_sigma), factor(s.turn_scale, s.turn_scale_sigma), 1000 * s.way_noise,
+      s.turn_noise * deg_per_rad);
+}
+
 }  // namespace
 
 std::optional<double> CalibratedSensor::sigma(std::size_t i) const {
@@ -94,75 +124,43 @@ std::string Drive::advice() const {
   return "drive longer, with changing turn rate, where walls and boxes stand on several sides";
 }
 
-std::string calibration_sentence(const CalibratedSensor& sensor, const Drive* drive) {
-  std::string grids;
-  if (sensor.left_out > 0)
-    grids = fmt::format(
-        "; {} of {} scans of the stop are left out: their beams or angles differ from those of the first "
-        "scan; "
-        "record with unchanged settings of the scanner",
-        sensor.left_out, sensor.left_out + sensor.scans.frames());
-  if (drive == nullptr) return stop_sentence(sensor) + grids;
-  std::string text = sensor.scans.frames() == 0
-                         ? "no stop: stand 5 s before the drive, so that sensors are found "
-                           "against each other, too"
-                     : sensor.estimate.verdict == MountVerdict::reference ? "the reference"
-                                                                          : stop_sentence(sensor);
-  return text + grids + "; " + drive_sentence(sensor, *drive);
-}
-
-std::string odometry_sentence(const Drive& drive) {
-  const DriveSolution& s = drive.solution;
-  const auto factor = [](double scale, double sigma) {
-    return sigma < worst_scale ? fmt::format("{:.4f} +- {:.4f}", scale, sigma) : "- (not determined)";
+TextTable calibration_table(const CalibrationReport& report) {
+  TextTable table{{"SENSOR", "", "X", "Y", "Z", "ROLL", "PITCH", "YAW", "TIME"}};
+  const auto number = [](const CalibrationReport& value) {
+    return value.is_null() ? std::string("-") : fmt::format("{:.4f}", value.get<double>());
   };
-  return fmt::format(
-      "odometry: multiply distances by {}, turns by {}; it strays by {:.1f} mm and {:.2f} deg in 1 m",
-      factor(s.scale, s.scale_sigma), factor(s.turn_scale, s.turn_scale_sigma), 1000 * s.way_noise,
-      s.turn_noise * deg_per_rad);
-}
-
-TextTable calibration_table(const std::vector<CalibratedSensor>& sensors, const Drive* drive) {
-  TextTable table{{"SENSOR", "", "X", "Y", "Z", "ROLL", "PITCH", "YAW"}};
-  if (drive != nullptr) table[0].push_back("TIME");
-  const auto row = [&](std::string name, const char* what, const Pose& pose, double time_offset) {
-    const Eigen::Vector3d at = pose.translation(), angles = degrees_of(pose);
-    table.push_back({std::move(name), what, fmt::format("{:.4f}", at.x()), fmt::format("{:.4f}", at.y()),
-                     fmt::format("{:.4f}", at.z()), fmt::format("{:.3f}", angles.x()),
-                     fmt::format("{:.3f}", angles.y()), fmt::format("{:.3f}", angles.z())});
-    if (drive != nullptr) table.back().push_back(fmt::format("{:.5f}", time_offset));
-  };
-  for (const CalibratedSensor& sensor : sensors) {
-    row(sensor.config->name, "before", sensor.before, sensor.time_offset_before());
-    row("", "after", sensor.after, sensor.time_offset_after());
-    const auto known = [&](std::size_t i, double scale, int digits) {
-      const auto sigma = sensor.sigma(i);
-      return sigma ? fmt::format("{:.{}f}", scale * *sigma, digits) : std::string("-");
-    };
-    const std::string height = sensor.ground ? fmt::format("{:.3f}", ground_height_sigma) : "-",
-                      tilt = sensor.ground ? fmt::format("{:.2f}", ground_tilt_sigma * deg_per_rad) : "-";
-    table.push_back({"", "+-", known(0, 1, 4), known(1, 1, 4), height, tilt, tilt, known(2, deg_per_rad, 3)});
-    if (drive != nullptr) table.back().push_back(known(3, 1, 5));
+  for (const auto& [name, sensor] : report["sensors"].items()) {
+    for (const char* when : {"before", "after"}) {
+      table.push_back({*when == 'b' ? name : "", when});
+      for (const char* part : {"xyz", "rpy_deg"}) {
+        for (const auto& value : sensor[when][part]) table.back().push_back(number(value));
+      }
+      table.back().push_back(number(sensor[when]["time_offset"]));
+    }
+    table.push_back({"", "+-"});
+    for (const auto& value : sensor["deviation"]) table.back().push_back(number(value));
   }
   return table;
 }
 
-nlohmann::json calibration_json(const std::vector<CalibratedSensor>& sensors, const MountSolution& solution,
-                                const Drive* drive) {
+CalibrationReport calibration_report(const std::vector<CalibratedSensor>& sensors,
+                                     const MountSolution& solution, const Drive* drive) {
   constexpr const char* verdicts[] = {"reference", "found", "uncertain", "ambiguous", "unconnected"};
   const auto mount = [](const Pose& p, double time_offset) {
     const Eigen::Vector3d at = p.translation(), angles = degrees_of(p);
-    return nlohmann::json{{"xyz", {at.x(), at.y(), at.z()}},
-                          {"rpy_deg", {angles.x(), angles.y(), angles.z()}},
-                          {"time_offset", time_offset}};
+    return CalibrationReport{{"xyz", {at.x(), at.y(), at.z()}},
+                             {"rpy_deg", {angles.x(), angles.y(), angles.z()}},
+                             {"time_offset", time_offset}};
   };
-  nlohmann::json all = nlohmann::json::object();
+  CalibrationReport all = CalibrationReport::object();
   for (const CalibratedSensor& s : sensors) {
     const auto known = [&](std::size_t i, double scale) {
       const auto sigma = s.sigma(i);
-      return sigma ? nlohmann::json(scale * *sigma) : nlohmann::json();
+      return sigma ? CalibrationReport(scale * *sigma) : CalibrationReport();
     };
-    const auto ground = [&](double sigma) { return s.ground ? nlohmann::json(sigma) : nlohmann::json(); };
+    const auto ground = [&](double sigma) {
+      return s.ground ? CalibrationReport(sigma) : CalibrationReport();
+    };
     const double tilt = ground_tilt_sigma * deg_per_rad;
     all[s.config->name] = {{"verdict", verdicts[static_cast<std::size_t>(s.estimate.verdict)]},
                            {"frames", s.scans.frames()},
@@ -184,18 +182,19 @@ nlohmann::json calibration_json(const std::vector<CalibratedSensor>& sensors, co
                            {"agreement_after", s.estimate.as_found.share()},
                            {"remark", calibration_sentence(s, drive)}};
   }
-  nlohmann::json result = {{"sensors", all}, {"bias", solution.bias}, {"chi_square", solution.chi_square}};
+  CalibrationReport result = {{"sensors", all}, {"bias", solution.bias}, {"chi_square", solution.chi_square}};
   if (drive == nullptr) return result;
   const DriveSolution& d = drive->solution;
   const auto known = [](double value, double sigma) {
-    return sigma < worst_scale ? nlohmann::json(value) : nlohmann::json();
+    return sigma < worst_scale ? CalibrationReport(value) : CalibrationReport();
   };
   result["odometry"] = {{"scale", known(d.scale, d.scale_sigma)},
                         {"scale_deviation", known(d.scale_sigma, d.scale_sigma)},
                         {"turn_scale", known(d.turn_scale, d.turn_scale_sigma)},
                         {"turn_scale_deviation", known(d.turn_scale_sigma, d.turn_scale_sigma)},
                         {"noise", d.way_noise},
-                        {"turn_noise_deg", d.turn_noise * deg_per_rad}};
+                        {"turn_noise_deg", d.turn_noise * deg_per_rad},
+                        {"remark", odometry_sentence(*drive)}};
   return result;
 }
 

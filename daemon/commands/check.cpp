@@ -195,42 +195,34 @@ class Forecast {
   }
   void check(const MergedScanConfig& merged) {
     const Value entry = value_of(value_of(root_, "merged_scans"), merged.name);
-    const std::string& base = config_.vehicle.base_frame;
-    if (const Value pose = value_of(entry, "destination_pose"); pose.path() != entry.path())
-      question(pose, *merged.destination_pose);
     double reach = 0;
     for (const std::string& source : merged.laserscan_topics)
       reach = std::max(reach, reach_of(config_.find_sensor(source), merged.destination_frame));
     question_reach(entry, merged, reach, merged.free_required);
-    const std::string destination = "destination_frame " + merged.destination_frame;
-    const bool destination_known = is_known(base, merged.destination_frame);
-    std::set<std::string> unknown;
-    std::size_t lost = 0;
-    for (const std::string& source : merged.laserscan_topics) {
-      if (is_placed(source, merged.destination_frame)) continue;
-      ++lost;
-      if (!is_placed(source, base)) unknown.insert(source);
-      if (!destination_known) unknown.insert(destination);
-    }
-    const bool footprint_lost = !config_.vehicle.footprint.empty() && !destination_known;
-    if (footprint_lost) unknown.insert(destination);
-    check_poses(entry, unknown, footprint_lost || lost == merged.laserscan_topics.size());
-    check_topics(entry, merged.laserscan_topics);
+    check_merged(entry, merged, merged.laserscan_topics, !config_.vehicle.footprint.empty());
   }
   void check(const MergedCloudConfig& merged) {
-    const Value entry = value_of(value_of(root_, "merged_clouds"), merged.name);
-    const std::string& base = config_.vehicle.base_frame;
+    check_merged(value_of(value_of(root_, "merged_clouds"), merged.name), merged, merged.sources, true);
+  }
+  /// `on_vehicle`: the pose of the destination on the vehicle is needed, whatever the sources' frames are.
+  template <class Merged>
+  void check_merged(const Value& entry, const Merged& merged, const std::vector<std::string>& sources,
+                    bool on_vehicle) {
     if (const Value pose = value_of(entry, "destination_pose"); pose.path() != entry.path())
       question(pose, *merged.destination_pose);
+    const bool is_lost = on_vehicle && !is_known(config_.vehicle.base_frame, merged.destination_frame);
     std::set<std::string> unknown;
-    for (const std::string& source : merged.sources) {
-      if (!is_placed(source, base)) unknown.insert(source);
+    if (is_lost) unknown.insert("destination_frame " + merged.destination_frame);
+    std::size_t lost = 0;
+    for (const std::string& source : sources) {
+      if (is_placed(source, merged.destination_frame)) continue;
+      ++lost;
+      if (!is_placed(source, config_.vehicle.base_frame)) unknown.insert(source);
+      if (!is_known(config_.vehicle.base_frame, merged.destination_frame))
+        unknown.insert("destination_frame " + merged.destination_frame);
     }
-    const bool lost = !is_known(base, merged.destination_frame) || unknown.size() == merged.sources.size();
-    if (!is_known(base, merged.destination_frame))
-      unknown.insert("destination_frame " + merged.destination_frame);
-    check_poses(entry, unknown, lost);
-    check_topics(entry, merged.sources);
+    check_poses(entry, unknown, is_lost || lost == sources.size());
+    check_topics(entry, sources);
   }
   void check(const VirtualScanConfig& group) {
     const Value entry = value_of(value_of(root_, "virtual_scans"), group.name);

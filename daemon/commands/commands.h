@@ -125,17 +125,15 @@ int run_daemon(const std::string& config_file, const std::vector<std::string>& r
 struct SnapshotOptions {
   std::string config;  ///< empty: the sensors that are found in the captures, all at the origin
   std::vector<std::string> captures;
-  std::optional<double> at;      ///< s into the capture; unset: its middle
-  std::optional<double> range;   ///< m from base_frame to the picture's edge; unset: fits the returns
-  std::string areas;             ///< topic whose free and unobserved areas are shaded; empty: see make_view()
-  std::string motion;            ///< a bag with the vehicle's motion (tf or odometry); empty: it stood
-  int width = 0;                 ///< pixels of the picture; 0: automatic
-  std::string color = "height";  ///< meaning of the colours of clouds: height, ring or intensity
-  std::string output;            ///< .png or .svg
+  std::optional<double> at;     ///< s into the capture; unset: its middle
+  std::optional<double> range;  ///< m from base_frame to the picture's edge; unset: fits the returns
+  std::string areas;            ///< topic whose free and unobserved areas are shaded; empty: see make_view()
+  std::string motion;           ///< a bag with the vehicle's motion (tf or odometry); empty: it stood
+  int width = 0;                ///< pixels of the picture; 0: automatic
+  std::string output;           ///< .png or .svg
 };
 
-/// Plays captures through the pipeline of a configuration up to one moment and draws the frames from above
-/// and, if there are clouds, from the side.
+/// Plays captures through the pipeline of a configuration up to one moment and draws the frames from above.
 int run_snapshot(const SnapshotOptions& options, std::ostream& err);
 
 /// Options of `lidard calibrate`.

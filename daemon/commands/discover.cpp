@@ -168,15 +168,7 @@ class Search {
   std::vector<FoundDevice> found_;
 };
 
-void print_table(const std::vector<FoundDevice>& found, std::ostream& out) {
-  TextTable rows{{"address", "vendor", "product", "serial", "firmware", "model"}};
-  for (const FoundDevice& device : found)
-    rows.push_back({device.address.to_string(), device.vendor, device.product, device.serial, device.firmware,
-                    device.model.empty() ? "see `lidard models`" : device.model});
-  print_columns(rows, out);
-}
-
-void print_json(const std::vector<FoundDevice>& found, std::ostream& out) {
+void print(const std::vector<FoundDevice>& found, bool json, std::ostream& out) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const FoundDevice& device : found)
     list.push_back({{"address", device.address.to_string()},
@@ -185,7 +177,10 @@ void print_json(const std::vector<FoundDevice>& found, std::ostream& out) {
                     {"serial", device.serial},
                     {"firmware", device.firmware},
                     {"model", device.model}});
-  out << list.dump(2) << '\n';
+  if (json)
+    out << list.dump(2) << '\n';
+  else if (!list.empty())
+    print_columns(table_of(list, {"address", "vendor", "product", "serial", "firmware", "model"}), out);
 }
 
 }  // namespace
@@ -193,11 +188,7 @@ void print_json(const std::vector<FoundDevice>& found, std::ostream& out) {
 int run_discover(const DiscoverOptions& options, std::ostream& out, std::ostream& err) {
   Search search(options);
   const std::vector<FoundDevice> found = search.run();
-  if (options.json) {
-    print_json(found, out);
-  } else if (!found.empty()) {
-    print_table(found, out);
-  }
+  print(found, options.json, out);
   if (!found.empty()) return 0;
   err << "nothing answered within " << options.wait << " s from";
   for (const std::string& place : search.asked()) err << ' ' << place;

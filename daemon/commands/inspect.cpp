@@ -7,7 +7,9 @@
 #include "core/base/number_text.h"
 #include "daemon/commands/commands.h"
 #include "daemon/commands/inspect_survey.h"
+#include "daemon/config/yaml_reader.h"
 #include "daemon/files/text_table.h"
+#include "daemon/pipeline/report.h"
 
 namespace lidard {
 namespace {
@@ -17,13 +19,6 @@ using Json = nlohmann::ordered_json;
 // Number of unknown flows in the text; --json has all of them.
 constexpr std::size_t unknown_rows = 10;
 
-/// Makes text from the network printable in a comment.
-std::string printable(std::string text) {
-  std::replace_if(
-      text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
-  return text;
-}
-
 void append(std::string& list, const std::string& item) { list += (list.empty() ? "" : ", ") + item; }
 
 /// Appends the counters of a list that are not 0.
@@ -32,15 +27,6 @@ void append(std::string& list, const NamedCounter<Owner> (&counters)[n], const O
   for (const auto& counter : counters) {
     if (owner.*counter.value > 0) append(list, std::to_string(owner.*counter.value) + " " + counter.words);
   }
-}
-
-std::string rejects_in_words(const Counters& counters) {
-  std::string text;
-  for (std::size_t i = 1; i < reject_reasons; ++i) {
-    if (counters.rejected[i] > 0)
-      append(text, std::to_string(counters.rejected[i]) + " " + to_string(static_cast<Reject>(i)));
-  }
-  return text;
 }
 
 void print_captures(const Survey& survey, std::ostream& out) {
@@ -59,25 +45,6 @@ void print_captures(const Survey& survey, std::ostream& out) {
   }
 }
 
-std::vector<std::string> row_of(const FoundSensor& sensor) {
-  const SeenFlow& data = sensor.data;
-  std::string ports = std::to_string(data.port), packets = std::to_string(sensor.counters.packets);
-  if (data.transport == Transport::tcp) ports = "TCP " + ports;
-  if (sensor.telemetry) ports += "+" + std::to_string(sensor.telemetry->port);
-  if (sensor.counters.other_packets > 0) packets += "+" + std::to_string(sensor.counters.other_packets);
-  return {sensor.name,
-          data.address.to_string(),
-          ports,
-          std::string(sensor.model->protocol),
-          packets,
-          fixed(sensor.rate(), 1) + "/s",
-          fixed(data.duration(), 3) + " s",
-          std::to_string(sensor.counters.frames),
-          std::to_string(sensor.counters.lost_packets),
-          std::to_string(sensor.counters.rejected_total()),
-          sensor.info.serial.empty() ? "-" : printable(sensor.info.serial)};
-}
-
 /// Prints remarks; the details of the device are only in the JSON.
 void print_remarks(const FoundSensor& sensor, std::ostream& out) {
   const auto remark = [&](const std::string& text) {
@@ -89,52 +56,8 @@ void print_remarks(const FoundSensor& sensor, std::ostream& out) {
     append(troubles, std::to_string(sensor.counters.lost_packets) + " lost packets");
   append(troubles, trouble_counters, sensor.counters);
   remark(troubles);
-  const std::string rejects = rejects_in_words(sensor.counters);
-  remark(rejects.empty() ? "" : "rejected: " + rejects);
+  if (sensor.counters.rejected_total() > 0) remark("rejected " + rejected_text(sensor.counters));
   for (const std::string& warning : sensor.info.warnings) remark(warning);
-}
-
-void print_sensors(const Survey& survey, std::ostream& out) {
-  if (survey.sensors.empty()) {
-    out << "# no sensor was recognised (`lidard models` lists the supported ones)\n";
-    return;
-  }
-  TextTable table{{"SENSOR", "SENDER", "PORTS", "PROTOCOL", "PACKETS", "RATE", "DURATION", "FRAMES", "LOST",
-                   "REJECTED", "SERIAL"}};
-  for (const FoundSensor& sensor : survey.sensors) table.push_back(row_of(sensor));
-  out << "#\n";
-  print_columns(table, out, "# ");
-  for (const FoundSensor& sensor : survey.sensors) print_remarks(sensor, out);
-}
-
-void print_unknown(const Survey& survey, std::ostream& out) {
-  if (survey.unknown.empty()) return;
-  TextTable table{{"NOT RECOGNISED", "PORT", "PACKETS", "RATE", "DURATION", "BYTES"}};
-  for (std::size_t i = 0; i < std::min(unknown_rows, survey.unknown.size()); ++i) {
-    const SeenFlow& flow = survey.unknown[i];
-    std::string bytes = std::to_string(flow.smallest);
-    if (flow.largest != flow.smallest) bytes += "-" + std::to_string(flow.largest);
-    table.push_back({flow.address.to_string(),
-                     (flow.transport == Transport::tcp ? "TCP " : "") + std::to_string(flow.port),
-                     std::to_string(flow.packets), fixed(flow.rate(), 1) + "/s",
-                     fixed(flow.duration(), 3) + " s",
-                     bytes + (flow.remark.empty() ? "" : "  " + printable(flow.remark))});
-  }
-  out << "#\n";
-  print_columns(table, out, "# ");
-  const std::size_t more = survey.unknown.size() - table.size() + 1;
-  if (more > 0) out << "# and " << more << " more (see --json)\n";
-  if (survey.uncounted > 0) out << "# and " << survey.uncounted << " datagrams of further senders\n";
-}
-
-void print_text(const Survey& survey, std::ostream& out) {
-  print_captures(survey, out);
-  print_sensors(survey, out);
-  print_unknown(survey, out);
-  if (survey.sensors.empty()) return;
-  out << "#\n# This output is a configuration that replays them:\n"
-      << "#   lidard inspect CAPTURE > FILE.yaml; lidard replay -c FILE.yaml --pcap CAPTURE\n"
-      << config_of(survey);
 }
 
 template <class Owner, std::size_t n>
@@ -194,6 +117,7 @@ Json json_of(const FoundSensor& sensor) {
   out["rejected"] = Json::object();
   for (std::size_t i = 1; i < reject_reasons; ++i)
     out["rejected"][to_string(static_cast<Reject>(i))] = c.rejected[i];
+  out["rejected_packets"] = c.rejected_total();
   out["serial"] = sensor.info.serial.empty() ? Json() : Json(sensor.info.serial);
   out["details"] = Json::object();
   for (const auto& [key, value] : sensor.info.details) out["details"][key] = value;
@@ -201,16 +125,48 @@ Json json_of(const FoundSensor& sensor) {
   return out;
 }
 
-void print_json(const Survey& survey, std::ostream& out) {
-  Json captures = Json::array(), sensors = Json::array(), unknown = Json::array();
-  for (const SurveyedCapture& capture : survey.captures) captures.push_back(json_of(capture));
-  for (const FoundSensor& sensor : survey.sensors) sensors.push_back(json_of(sensor));
-  for (const SeenFlow& flow : survey.unknown) unknown.push_back(json_of(flow));
-  Json all{
-      {"captures", captures}, {"sensors", sensors}, {"unknown", unknown}, {"uncounted", survey.uncounted}};
+Json json_of(const Survey& survey) {
+  Json all{{"captures", Json::array()}, {"sensors", Json::array()}, {"unknown", Json::array()}};
+  for (const SurveyedCapture& capture : survey.captures) all["captures"].push_back(json_of(capture));
+  for (const FoundSensor& sensor : survey.sensors) all["sensors"].push_back(json_of(sensor));
+  for (const SeenFlow& flow : survey.unknown) all["unknown"].push_back(json_of(flow));
+  all["uncounted"] = survey.uncounted;
   all["config"] = survey.sensors.empty() ? Json() : Json(config_of(survey));
-  // File names and texts of sensors need not be UTF-8.
-  out << all.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
+  return all;
+}
+
+void print_sensors(const Survey& survey, const Json& list, std::ostream& out) {
+  if (list.empty()) {
+    out << "# no sensor was recognised (`lidard models` lists the supported ones)\n";
+    return;
+  }
+  out << "#\n";
+  print_columns(table_of(list, {"name", "sender", "transport", "port", "protocol", "data_packets", "rate_hz",
+                                "duration_s", "frames", "lost_packets", "rejected_packets", "serial"}),
+                out, "# ");
+  for (const FoundSensor& sensor : survey.sensors) print_remarks(sensor, out);
+}
+
+void print_unknown(const Survey& survey, const Json& list, std::ostream& out) {
+  if (list.empty()) return;
+  out << "# not recognised:\n";
+  const std::size_t shown = std::min(unknown_rows, list.size());
+  const Json busiest(list.begin(), list.begin() + static_cast<std::ptrdiff_t>(shown));
+  print_columns(table_of(busiest, {"sender", "transport", "port", "packets", "rate_hz", "duration_s",
+                                   "smallest", "largest", "remark"}),
+                out, "# ");
+  if (shown < list.size()) out << "# and " << list.size() - shown << " more (see --json)\n";
+  if (survey.uncounted > 0) out << "# and " << survey.uncounted << " datagrams of further senders\n";
+}
+
+void print_text(const Survey& survey, const Json& all, std::ostream& out) {
+  print_captures(survey, out);
+  print_sensors(survey, all["sensors"], out);
+  print_unknown(survey, all["unknown"], out);
+  if (survey.sensors.empty()) return;
+  out << "#\n# This output is a configuration that replays them:\n"
+      << "#   lidard inspect CAPTURE > FILE.yaml; lidard replay -c FILE.yaml --pcap CAPTURE\n"
+      << config_of(survey);
 }
 
 }  // namespace
@@ -224,10 +180,12 @@ int run_inspect(const std::vector<std::string>& captures, bool json, std::ostrea
     all_read = all_read && !capture.damaged;
     any_read = any_read || capture.counters.frames > 0;
   }
+  const Json all = json_of(found);
+  // File names and texts of sensors need not be UTF-8.
   if (json)
-    print_json(found, out);
+    out << all.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
   else if (any_read)
-    print_text(found, out);
+    print_text(found, all, out);
   return all_read ? 0 : 1;
 }
 

@@ -57,7 +57,7 @@ void add_to(SeenFlow& flow, const Packet& packet) {
   flow.last = std::max(flow.last, packet.arrival);
 }
 
-/// Calls `use` with every datagram and chunk; returns the properties of the file.
+/// Calls `use` with datagrams and chunks until it returns false; returns the properties of the file.
 template <typename Use>
 SurveyedCapture read(const std::string& file, Use use) {
   SurveyedCapture capture;
@@ -68,7 +68,7 @@ SurveyedCapture read(const std::string& file, Use use) {
     while (source.next(packet)) {
       capture.first = std::min(capture.first.value_or(packet.arrival), packet.arrival);
       capture.last = std::max(capture.last.value_or(packet.arrival), packet.arrival);
-      use(packet);
+      if (!use(packet)) break;
     }
     capture.counters = source.counters();
     capture.error = source.error();
@@ -80,7 +80,8 @@ SurveyedCapture read(const std::string& file, Use use) {
   return capture;
 }
 
-void watch(Packet packet, Flows& flows, std::uint64_t& uncounted) {
+void watch(Packet packet, const SurveyOptions& options, Flows& flows, std::uint64_t& uncounted) {
+  if (options.is_wanted && !options.is_wanted(packet)) return;
   const Flow key = flow_of(packet);
   auto found = flows.find(key);
   if (found == flows.end()) {
@@ -113,11 +114,24 @@ FlowTable<std::size_t> owners_of(const std::vector<FoundSensor>& sensors) {
   return owners;
 }
 
+/// The model of a flow; a wanted one is assumed of all flows of its transport.
+const Model* verdict_on(const Watched& watched, const Model* wanted) {
+  if (wanted == nullptr) return watched.identifier.verdict();
+  return wanted->transport == watched.flow.transport ? wanted : nullptr;
+}
+
+/// True if the driver of an assumed model could use packets. Requests to a device may look like packets, but
+/// never make frames.
+bool is_proven(const FoundSensor& sensor) {
+  const Counters& c = sensor.counters;
+  return sensor.data.transport == Transport::tcp ? c.frames > 0 : c.packets > c.rejected_total();
+}
+
 /// Sorts the flows into sensors, their telemetry and the rest.
-void sort_out(Flows& flows, Survey& out) {
+void sort_out(Flows& flows, const Model* wanted, Survey& out) {
   for (auto& [key, watched] : flows) {
     watched.flow.remark = watched.identifier.remark();
-    const Model* model = watched.identifier.verdict();
+    const Model* model = verdict_on(watched, wanted);
     if (model == nullptr) continue;
     FoundSensor sensor;
     sensor.name = name_for(*model, out.sensors);
@@ -128,7 +142,7 @@ void sort_out(Flows& flows, Survey& out) {
   }
   const FlowTable<std::size_t> owners = owners_of(out.sensors);
   for (auto& [flow, watched] : flows) {
-    if (watched.identifier.verdict() != nullptr) continue;
+    if (verdict_on(watched, wanted) != nullptr) continue;
     const std::size_t* owner = owners.find(flow);
     const Endpoint& peer = watched.flow.peer;
     // The client's side of a connection is ignored.
@@ -143,8 +157,8 @@ void sort_out(Flows& flows, Survey& out) {
                    [](const SeenFlow& a, const SeenFlow& b) { return a.packets > b.packets; });
 }
 
-/// Runs the drivers of the sensors.
-void judge(const std::vector<std::string>& captures, std::vector<FoundSensor>& sensors) {
+/// Runs the drivers of the sensors; `first_frames`: until each has given a frame.
+void judge(const std::vector<std::string>& captures, bool first_frames, std::vector<FoundSensor>& sensors) {
   struct Receiver {
     std::unique_ptr<Driver> driver;
     FrameTimes times;
@@ -161,10 +175,12 @@ void judge(const std::vector<std::string>& captures, std::vector<FoundSensor>& s
   for (const std::string& file : captures) {
     read(file, [&](Packet packet) {
       const std::size_t* owner = owners.find(packet);
-      if (owner == nullptr) return;
+      if (owner == nullptr) return true;
       Receiver& receiver = receivers[*owner];
       if (packet.transport == Transport::udp || receiver.connection.pick(packet))
         receiver.driver->receive(packet, receiver.times);
+      return !first_frames || std::any_of(sensors.begin(), sensors.end(),
+                                          [](const FoundSensor& sensor) { return sensor.frames == 0; });
     });
   }
   for (std::size_t i = 0; i < sensors.size(); ++i) {
@@ -187,7 +203,7 @@ std::string others_in_yaml(const FoundSensor& sensor) {
 }
 
 /// The message for captures without packets of a lidar.
-std::string nothing_found(const Survey& found) {
+std::string nothing_found(const Survey& found, const Model* wanted) {
   std::string all;
   for (const SeenFlow& flow : found.unknown) {
     if (!flow.remark.empty()) all += (all.empty() ? "" : "\n") + flow.to_string() + ": " + flow.remark;
@@ -197,32 +213,40 @@ std::string nothing_found(const Survey& found) {
     if (!all.empty()) all += '\n';
     all += !capture.error.empty() && capture.counters.datagrams == 0
                ? capture.error
-               : capture.file +
-                     ": no packets of a supported lidar found; `lidard inspect` shows what is in "
-                     "it, `lidard models` what is supported";
+               : capture.file + ": no packets of " +
+                     (wanted == nullptr ? "a supported lidar" : std::string(wanted->name)) +
+                     " found; `lidard inspect` shows what is in it, `lidard models` what is supported";
   }
   return all;
 }
 
 }  // namespace
 
-Survey survey_of_sensors(const std::vector<std::string>& captures, std::ostream& err) {
-  Survey found = survey(captures);
-  if (found.sensors.empty()) throw std::runtime_error(nothing_found(found));
+Survey survey_of_sensors(const std::vector<std::string>& captures, std::ostream& err,
+                         const SurveyOptions& options) {
+  Survey found = survey(captures, options);
+  if (found.sensors.empty()) throw std::runtime_error(nothing_found(found, options.model));
   for (const SurveyedCapture& capture : found.captures) {
     if (!capture.error.empty()) err << capture.error << '\n';
   }
   return found;
 }
 
-Survey survey(const std::vector<std::string>& captures) {
+Survey survey(const std::vector<std::string>& captures, const SurveyOptions& options) {
   Survey out;
   Flows flows;
   for (const std::string& file : captures) {
-    out.captures.push_back(read(file, [&](const Packet& packet) { watch(packet, flows, out.uncounted); }));
+    out.captures.push_back(read(file, [&](const Packet& packet) {
+      watch(packet, options, flows, out.uncounted);
+      return true;
+    }));
   }
-  sort_out(flows, out);
-  if (!out.sensors.empty()) judge(captures, out.sensors);
+  sort_out(flows, options.model, out);
+  if (!out.sensors.empty()) judge(captures, options.first_frames, out.sensors);
+  if (options.model == nullptr) return out;
+  const auto unproven = std::stable_partition(out.sensors.begin(), out.sensors.end(), is_proven);
+  for (auto sensor = unproven; sensor != out.sensors.end(); ++sensor) out.unknown.push_back(sensor->data);
+  out.sensors.erase(unproven, out.sensors.end());
   return out;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <iosfwd>
 #include <optional>
 #include <set>
@@ -68,11 +69,19 @@ struct Survey {
   std::uint64_t uncounted = 0;       ///< datagrams beyond the largest number of flows
 };
 
+/// What a survey looks for.
+struct SurveyOptions {
+  const Model* model = nullptr;                       ///< nullptr: any, from the packets
+  std::function<bool(const Packet&)> is_wanted = {};  ///< empty: all packets
+  bool first_frames = false;                          ///< the drivers run until each has given a frame
+};
+
 /// Reads the captures twice: to recognize the sensors, and to run their drivers.
-Survey survey(const std::vector<std::string>& captures);
+Survey survey(const std::vector<std::string>& captures, const SurveyOptions& options = {});
 /// The same; throws std::runtime_error if there is no sensor, and prints why a capture was not read to its
 /// end.
-Survey survey_of_sensors(const std::vector<std::string>& captures, std::ostream& err);
+Survey survey_of_sensors(const std::vector<std::string>& captures, std::ostream& err,
+                         const SurveyOptions& options = {});
 
 /// The configuration that replays the sensors, as YAML.
 std::string config_of(const Survey& survey);

@@ -1,11 +1,8 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <ostream>
 #include <string>
-#include <vector>
 
 #include "core/base/number_text.h"
 #include "daemon/commands/commands.h"
@@ -15,17 +12,7 @@
 namespace lidard {
 namespace {
 
-/// A key for the reference.
-struct Entry {
-  Key key;
-  std::string preset;
-  const SensorGroup* group;  // of models that accept it; nullptr: not a key of sensors
-  bool inner;                // below a key of the same models
-};
-struct Section {
-  std::string name;
-  std::vector<Entry> entries;
-};
+using Json = nlohmann::ordered_json;
 
 std::string text_of(const KeyValue& value) {
   if (const auto* flag = std::get_if<bool>(&value)) return *flag ? "true" : "false";
@@ -47,45 +34,6 @@ std::string preset_of(const KeyOf<Owner>& key, const Owner& owner) {
   return text.empty() ? "none" : text;
 }
 
-class Reference {
- public:
-  std::vector<Section> sections;
-
-  template <class Owner>
-  void add(const std::string& name, const Keys<Owner>& keys, const Owner& owner,
-           const SensorGroup* group = nullptr, bool inner = false) {
-    auto known =
-        std::find_if(sections.begin(), sections.end(), [&](const auto& s) { return s.name == name; });
-    if (known == sections.end()) known = sections.insert(known, {name, {}});
-    const auto index = known - sections.begin();
-    for (const auto& key : keys) {
-      const std::string preset = key.kind == KeyKind::section ? "" : preset_of(key, owner);
-      sections[static_cast<std::size_t>(index)].entries.push_back({key, preset, group, inner});
-      if (!key.inner.empty()) add(name + "." + std::string(key.name), key.inner, owner, group, true);
-    }
-  }
-};
-
-std::vector<Section> all_sections() {
-  Reference all;
-  all.add("vehicle", vehicle_keys(), VehicleConfig());
-  for (const SensorGroup& group : sensor_groups())
-    all.add("sensors.NAME", group.keys, SensorConfig(), &group);
-  all.add("merged_scans.NAME", merged_keys(), MergedScanConfig());
-  all.add("merged_scans.NAME.source_settings.SOURCE", source_keys(), SourceSettings());
-  all.add("merged_clouds.NAME", merged_cloud_keys(), MergedCloudConfig());
-  all.add("virtual_scans.NAME", virtual_keys(), default_virtual_scan());
-  all.add("merged_scans.NAME.also.TOPIC, virtual_scans.NAME.also.TOPIC", also_key().inner, AlsoScanConfig());
-  all.add("blackbox", black_box_keys(), BlackBoxConfig());
-  return all.sections;
-}
-
-std::string limit_text(double number) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g", number);
-  return text;
-}
-
 /// Allowed values of the key.
 std::string value_text(const Key& key) {
   if (!key.words.empty()) {
@@ -93,7 +41,7 @@ std::string value_text(const Key& key) {
     for (const auto word : key.words) list.append(list.empty() ? "" : ", ").append(word);
     return list;
   }
-  const std::string limits = limit_text(key.lowest) + " to " + limit_text(key.highest);
+  const std::string limits = printed("%.6g", key.lowest) + " to " + printed("%.6g", key.highest);
   switch (key.kind) {
     case KeyKind::flag:
       return "true, false";
@@ -117,109 +65,108 @@ std::string value_text(const Key& key) {
   }
 }
 
-/// The meaning, with models and conditions.
-std::string meaning_text(const Entry& entry) {
-  std::string text(entry.key.meaning);
-  if (entry.group != nullptr && !entry.inner && !entry.group->models.empty())
-    text.append(" (").append(entry.group->models).append(")");
-  return text + (entry.key.live ? " [live]" : "");
-}
-
-void print_table(std::ostream& out) {
-  for (const Section& section : all_sections()) {
-    out << section.name << '\n';
-    for (const Entry& entry : section.entries) {
-      out << "  " << entry.key.name << ": " << value_text(entry.key);
-      if (!entry.preset.empty()) out << " (default: " << entry.preset << ')';
-      out << "\n      " << meaning_text(entry) << '\n';
-    }
-  }
-}
-
-/// Replaces `from` in `text`, for special characters of a format.
-std::string escaped(std::string text, const std::string& from, const std::string& to) {
-  for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
-    text.replace(at, from.size(), to);
-  return text;
-}
-
-void print_markdown(std::ostream& out) {
-  const auto cell = [](const std::string& text) { return escaped(text, "|", "\\|"); };
-  out << "# Configuration keys\n\n"
-         "Printed by `lidard keys --markdown` from the tables that the parser reads. Lengths are in m, times "
-         "in s, "
-         "angles in rad.\n`[live]`: can be changed while the daemon runs, with dynamic_reconfigure.\n";
-  for (const Section& section : all_sections()) {
-    out << "\n## `" << section.name << "`\n\n| key | value | default | meaning |\n|---|---|---|---|\n";
-    for (const Entry& entry : section.entries)
-      out << "| `" << entry.key.name << "` | " << cell(value_text(entry.key)) << " | " << cell(entry.preset)
-          << " | " << cell(meaning_text(entry)) << " |\n";
-  }
-}
-
-/// Escapes a leading dot or quote, which would be a roff request.
-std::string roff(const std::string& text) {
-  const std::string safe = escaped(escaped(escaped(text, "\\", "\\e"), "-", "\\-"), "…", "\\[u2026]");
-  return safe.find_first_of(".'") == 0 ? "\\&" + safe : safe;
-}
-
-void print_man(std::ostream& out) {
-  for (const Section& section : all_sections()) {
-    out << ".SS " << roff(section.name) << '\n';
-    for (const Entry& entry : section.entries) {
-      out << ".TP\n.B " << roff(std::string(entry.key.name)) << '\n' << roff(meaning_text(entry)) << ".\n";
-      out << roff(value_text(entry.key));
-      out << (entry.preset.empty() ? "" : roff("; default: " + entry.preset)) << ".\n";
-    }
-  }
-}
-
 const char* kind_text(KeyKind kind) {
   constexpr const char* names[] = {"flag",  "whole", "number", "angle",   "word",   "text",
                                    "topic", "frame", "pose",   "section", "special"};
   return names[static_cast<std::size_t>(kind)];
 }
 
-nlohmann::ordered_json json_of(const Section& section, const Entry& entry) {
-  const Key& key = entry.key;
-  nlohmann::ordered_json json{
-      {"section", section.name},  {"key", key.name},         {"kind", kind_text(key.kind)},
-      {"value", value_text(key)}, {"default", entry.preset}, {"meaning", key.meaning},
-      {"live", key.live},         {"required", key.required}};
+/// A key for the reference; `group`: of models that accept it, nullptr: not a key of sensors.
+Json json_of(const std::string& section, const Key& key, const std::string& preset,
+             const SensorGroup* group) {
+  Json json{{"section", section},       {"key", key.name},         {"kind", kind_text(key.kind)},
+            {"value", value_text(key)}, {"default", preset},       {"meaning", key.meaning},
+            {"live", key.live},         {"required", key.required}};
   if (key.highest > key.lowest) json.update({{"min", key.lowest}, {"max", key.highest}, {"unit", key.unit}});
   if (!key.words.empty()) json["words"] = key.words;
-  if (entry.group == nullptr || entry.group->takes == nullptr) return json;
+  if (group == nullptr || group->takes == nullptr) return json;
+  json["products"] = group->models;
   for (const Model& model : models()) {
-    if (entry.group->takes(model)) json["models"].push_back(model.name);
+    if (group->takes(model)) json["models"].push_back(model.name);
   }
   return json;
 }
 
-void print_json(std::ostream& out) {
-  nlohmann::ordered_json list = nlohmann::ordered_json::array();
-  for (const Section& section : all_sections()) {
-    for (const Entry& entry : section.entries) list.push_back(json_of(section, entry));
+/// Adds the keys to their section, and those below them to sections of their own.
+template <class Owner>
+void add(Json& sections, const std::string& name, const Keys<Owner>& keys, const Owner& owner,
+         const SensorGroup* group = nullptr) {
+  for (const auto& key : keys) {
+    const std::string preset = key.kind == KeyKind::section ? "" : preset_of(key, owner);
+    sections[name].push_back(json_of(name, key, preset, group));
+    if (!key.inner.empty()) add(sections, name + "." + std::string(key.name), key.inner, owner, group);
   }
-  out << list.dump(2) << '\n';
+}
+
+/// All keys, by section.
+Json all_sections() {
+  Json all;
+  add(all, "vehicle", vehicle_keys(), VehicleConfig());
+  for (const SensorGroup& group : sensor_groups())
+    add(all, "sensors.NAME", group.keys, SensorConfig(), &group);
+  add(all, "merged_scans.NAME", merged_keys(), MergedScanConfig());
+  add(all, "merged_scans.NAME.source_settings.SOURCE", source_keys(), SourceSettings());
+  add(all, "merged_clouds.NAME", merged_cloud_keys(), MergedCloudConfig());
+  add(all, "virtual_scans.NAME", virtual_keys(), default_virtual_scan());
+  add(all, "merged_scans.NAME.also.TOPIC, virtual_scans.NAME.also.TOPIC", also_key().inner, AlsoScanConfig());
+  add(all, "blackbox", black_box_keys(), BlackBoxConfig());
+  return all;
+}
+
+/// The text in a manual page: a leading dot or quote would be a roff request.
+std::string roff(const std::string& text) {
+  std::string safe = text.find_first_of(".'") == 0 ? "\\&" : "";
+  for (const char c : text) safe += c == '\\' ? "\\e" : c == '-' ? "\\-" : std::string(1, c);
+  const std::string dots = "…";  // Latin-1 has none
+  for (std::size_t at; (at = safe.find(dots)) != std::string::npos;)
+    safe.replace(at, dots.size(), "\\[u2026]");
+  return safe;
+}
+
+/// For people: the meaning names the products that have a key, and what can be changed while the daemon runs.
+void print_text(KeysFormat format, std::ostream& out) {
+  const bool markdown = format == KeysFormat::markdown, man = format == KeysFormat::man;
+  const Json all = all_sections();
+  for (const auto& [section, keys] : all.items()) {
+    if (markdown)
+      out << "\n## `" << section << "`\n\n| key | value | default | meaning |\n|---|---|---|---|\n";
+    else
+      out << (man ? ".SS " + roff(section) : section) << '\n';
+    for (const Json& key : keys) {
+      const std::string name = key["key"], value = key["value"], preset = key["default"];
+      std::string meaning = key["meaning"];
+      const std::string products = section == "sensors.NAME" ? key.value("products", "") : "";
+      if (!products.empty()) meaning += " (" + products + ")";
+      if (key["live"]) meaning += " [live]";
+      if (markdown)
+        out << "| `" << name << "` | " << value << " | " << preset << " | " << meaning << " |\n";
+      else if (man)
+        out << ".TP\n.B " << roff(name) << '\n'
+            << roff(meaning) << ".\n"
+            << roff(value + (preset.empty() ? "" : "; default: " + preset)) << ".\n";
+      else
+        out << "  " << name << ": " << value << (preset.empty() ? "" : " (default: " + preset + ")")
+            << "\n      " << meaning << '\n';
+    }
+  }
 }
 
 }  // namespace
 
 int run_keys(KeysFormat format, std::ostream& out) {
-  switch (format) {
-    case KeysFormat::table:
-      print_table(out);
-      break;
-    case KeysFormat::markdown:
-      print_markdown(out);
-      break;
-    case KeysFormat::man:
-      print_man(out);
-      break;
-    case KeysFormat::json:
-      print_json(out);
-      break;
+  if (format == KeysFormat::json) {
+    Json list = Json::array();
+    for (const Json& keys : all_sections()) list.insert(list.end(), keys.begin(), keys.end());
+    out << list.dump(2) << '\n';
+    return 0;
   }
+  if (format == KeysFormat::markdown)
+    out << "# Configuration keys\n\n"
+           "Printed by `lidard keys --markdown` from the tables that the parser reads. Lengths are in m, "
+           "times "
+           "in s, angles in rad.\n`[live]`: can be changed while the daemon runs, with "
+           "dynamic_reconfigure.\n";
+  print_text(format, out);
   return 0;
 }
 

@@ -4,8 +4,8 @@
 
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <stdexcept>
+
+#include "daemon/files/text_file.h"
 
 namespace lidard {
 namespace {
@@ -17,13 +17,6 @@ constexpr const char* kept_name = "lidard.yaml";
 fs::path beside(const Config& config, const std::string& file) {
   const fs::path path = file;
   return path.is_absolute() ? path : fs::path(config.file).parent_path() / path;
-}
-
-void write(const fs::path& path, const std::string& text) {
-  std::ofstream file(path);
-  file << text;
-  file.close();
-  if (!file) throw std::runtime_error(path.string() + " cannot be written");
 }
 
 }  // namespace
@@ -50,7 +43,9 @@ std::string LastGood::keep(const Config& config) const {
       fs::copy_file(beside(config, sensor.calibration), part / name);
       sensor.calibration = name;
     }
-    write(part / kept_name, to_yaml(copy));
+    TextFile file(part / kept_name);
+    file.write(to_yaml(copy));
+    file.close();
     fs::remove_all(folder_);
     fs::rename(part, folder_);
   } catch (const std::exception& error) {

@@ -1,10 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cmath>
 #include <nlohmann/json.hpp>
 #include <ostream>
-#include <string>
-#include <vector>
 
 #include "daemon/commands/commands.h"
 #include "daemon/files/text_table.h"
@@ -13,18 +10,6 @@
 
 namespace lidard {
 namespace {
-
-const char* transport_of(const Model& model) { return model.transport == Transport::udp ? "UDP" : "TCP"; }
-
-std::vector<std::string> row_of(const Model& model) {
-  const std::string port = model.port == 0 ? "port as configured" : std::to_string(model.port);
-  return {std::string(model.name),
-          std::string(model.vendor) + " " + std::string(model.product),
-          std::string(model.protocol),
-          std::string(transport_of(model)) + " " + port,
-          std::to_string(std::lround(model.packets_per_s)) + "/s",
-          std::string(model.verified)};
-}
 
 nlohmann::ordered_json json_of(const Model& model) {
   return {{"name", model.name},
@@ -46,15 +31,14 @@ nlohmann::ordered_json json_of(const Model& model) {
 }  // namespace
 
 int run_models(bool json, std::ostream& out) {
-  if (!json) {
-    TextTable table{{"name", "product", "protocol", "transport", "packets", "verified"}};
-    for (const Model& model : models()) table.push_back(row_of(model));
-    print_columns(table, out);
-    return 0;
-  }
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const Model& model : models()) list.push_back(json_of(model));
-  out << list.dump(2) << '\n';
+  if (json)
+    out << list.dump(2) << '\n';
+  else
+    print_columns(table_of(list, {"name", "vendor", "product", "protocol", "transport", "port",
+                                  "packets_per_s", "verified"}),
+                  out);
   return 0;
 }
 

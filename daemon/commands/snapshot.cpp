@@ -1,7 +1,9 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <ctime>
 #include <ostream>
 #include <stdexcept>
 
@@ -18,12 +20,8 @@ namespace lidard {
 namespace {
 
 std::string to_utc(Stamp stamp) {
-  const std::time_t whole = static_cast<std::time_t>(stamp.ns / 1'000'000'000);
-  std::tm utc{};
-  gmtime_r(&whole, &utc);
-  char date[32];
-  std::strftime(date, sizeof date, "%F %T", &utc);
-  return date + printed(".%03d UTC", static_cast<int>(stamp.ns / 1'000'000 % 1000));
+  const std::time_t whole = stamp.ns / 1'000'000'000;
+  return fmt::format("{:%F %T}.{:03} UTC", fmt::gmtime(whole), stamp.ns / 1'000'000 % 1000);
 }
 
 std::string file_name(const std::string& path) { return path.substr(path.rfind('/') + 1); }
@@ -131,10 +129,6 @@ std::string why_empty(const SnapshotView& view) {
   return all;
 }
 
-CloudColor color_named(const std::string& name) {
-  return name == "ring" ? CloudColor::ring : name == "intensity" ? CloudColor::intensity : CloudColor::height;
-}
-
 /// The view at one moment. Throws std::runtime_error if nothing can be drawn.
 SnapshotView view_of(const SnapshotOptions& options, const Scene& scene) {
   MergedCapture capture(options.captures);
@@ -147,7 +141,7 @@ SnapshotView view_of(const SnapshotOptions& options, const Scene& scene) {
   const double at = play(options.at, length, scene, capture, motion, frames);
   if (frames.empty()) throw std::runtime_error(nothing_there(scene, at, length));
   const FrameTree poses(scene.config, motion);
-  SnapshotView view = make_view(scene.config, poses, frames, options.areas, color_named(options.color));
+  SnapshotView view = make_view(scene.config, poses, frames, options.areas);
   if (std::all_of(view.layers.begin(), view.layers.end(), [](const auto& l) { return l.points.empty(); }))
     throw std::runtime_error("there is nothing to draw: " + why_empty(view));
   // The free area of one sensor is meaningless while the other sensors have no poses.

@@ -88,56 +88,38 @@ std::string quoted(const std::string& text) {
   return out + '"';
 }
 
-/// A table's cell: one line of text.
-std::string cell(const Json& value) {
-  std::string text = value.is_string() ? value.get<std::string>() : value.dump();
-  for (char& c : text) {
-    if (static_cast<unsigned char>(c) < ' ') c = ' ';
-  }
-  return text;
-}
 std::string figure(const Json& value, int digits) {
   return fmt::format("{:.{}f}", value.get<double>(), digits);
 }
 
-/// `is_narrow`: for a terminal of 80 columns, without year and milliseconds.
-void print_events(const Json& events, std::ostream& out, bool is_narrow) {
+void print_events(const Json& events, std::ostream& out) {
   TextTable table{{"AT (UTC)", "LEVEL", "SOURCE", "WHAT"}};
   for (const Json& event : events) {
-    std::string at = cell(event["at"]), text = cell(event["text"]);
-    if (is_narrow) at = at.substr(5, 5) + " " + at.substr(11, 8);
+    std::string text = cell(event["text"]);
     if (event["count"] > 1)
       text += fmt::format(" ({} times since {})", event["count"].get<std::uint64_t>(),
                           cell(event["first"]).substr(11, 8));
-    table.push_back({at, cell(event["level"]), cell(event["source"]), text});
+    table.push_back({cell(event["at"]), cell(event["level"]), cell(event["source"]), text});
   }
-  is_narrow ? print_narrow(table, out) : print_columns(table, out);
-}
-
-/// The figures of a topic in columns that fit beside its name.
-std::string columns(const std::string& frames, const std::string& dropped, const std::string& rate,
-                    const std::string& gap, const std::string& latency) {
-  return fmt::format("{:>9} {:>7} {:>6} {:>13} {:>18}", frames, dropped, rate, gap, latency);
+  print_columns(table, out);
 }
 
 void print_topics(const Json& all, std::ostream& out) {
-  TextTable table{{"TOPIC", columns("FRAMES", "DROPPED", "RATE/S", "GAP MS", "LATENCY MS")},
-                  {"", columns("", "", "", "MIN-MAX", "P50/P99/MAX")}};
+  TextTable table{{"TOPIC", "FRAMES", "DROPPED", "RATE/S", "GAP MS", "LATENCY MS P50/P99/MAX"}};
   for (const Json& topic : all) {
     const Json &gap = topic["gap_ms"], &latency = topic["latency_ms"];
-    table.push_back({cell(topic["topic"]),
-                     columns(topic["frames"].dump(), topic["dropped"].dump(), figure(topic["rate_hz"], 1),
-                             figure(gap["min"], 1) + "-" + figure(gap["max"], 1),
-                             figure(latency["p50"], 2) + "/" + figure(latency["p99"], 2) + "/" +
-                                 figure(latency["max"], 2))});
+    table.push_back(
+        {cell(topic["topic"]), cell(topic["frames"]), cell(topic["dropped"]), figure(topic["rate_hz"], 1),
+         figure(gap["min"], 1) + "-" + figure(gap["max"], 1),
+         figure(latency["p50"], 2) + "/" + figure(latency["p99"], 2) + "/" + figure(latency["max"], 2)});
   }
-  print_narrow(table, out);
+  print_columns(table, out);
 }
 
 /// Returns false if an item is in error.
 bool print_status(const Json& said, std::ostream& out) {
   const auto up = std::chrono::seconds(said["uptime_s"].get<std::int64_t>());
-  const std::string history = cell(said["history"]);
+  const auto history = said["history"].get<std::string>();
   out << fmt::format("lidard {}, node {}, pid {}, up {:%H:%M:%S}\n{}\n{}{}\n", cell(said["version"]),
                      cell(said["node"]), said["pid"].get<int>(), up, cell(said["summary"]), history,
                      history.empty() ? "" : "\n");
@@ -147,12 +129,12 @@ bool print_status(const Json& said, std::ostream& out) {
     items.push_back({cell(item["level"]), cell(item["name"]), cell(item["message"])});
     fine = fine && item["level"] != name_of(Health::error);
   }
-  print_narrow(items, out);
+  print_columns(items, out);
   out << '\n';
   print_topics(said["topics"], out);
   if (said["events"].empty()) return fine;
   out << '\n';
-  print_events(said["events"], out, true);
+  print_events(said["events"], out);
   return fine;
 }
 
@@ -240,7 +222,7 @@ int run_events(const StatusOptions& options, std::ostream& out, std::ostream& er
     const Json said = Json::parse(answer);
     if (const auto forgotten = said["forgotten"].get<std::uint64_t>(); forgotten > 0)
       out << forgotten << " earlier events are forgotten\n";
-    print_events(said["events"], out, false);
+    print_events(said["events"], out);
     return exit_ok;
   });
 }

@@ -229,16 +229,11 @@ class XmlCalibration {
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     const bool is_number = error == std::errc() && end == text.data() + text.size();
     if (!is_number || !(value >= lowest && value <= highest))
-      fail(element.GetLineNum(), std::string(element.Name()) + " is " + quoted(text),
+      fail(element.GetLineNum(),
+           std::string(element.Name()) + " is \"" + printable(std::string(text.substr(0, 40))) + "\"",
            "a number from " + number_text(lowest) + " to " + number_text(highest));
     return value;
   }
-  static std::string quoted(std::string_view text) {
-    std::string quote(text.substr(0, 40));
-    for (char& c : quote) c = static_cast<unsigned char>(c) < 0x20 ? '?' : c;
-    return '"' + quote + '"';
-  }
-
   /// The numbers of `DB/name/item`; empty if the element is missing.
   std::vector<double> items(const XMLElement& db, const char* name, double highest) const {
     std::vector<double> list;

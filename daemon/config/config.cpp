@@ -119,18 +119,16 @@ Config parse_config(const std::string& text, const std::string& name) {
   Reading reading;
   reading.config.file = name;
   const Value file = parse_yaml(text, name);
-  reading.mistakes.attempt(file.place(), [&] {
-    Mapping root(file, {"vehicle", "sensors", "merged_scans", "merged_clouds", "virtual_scans", "blackbox"},
-                 reading.mistakes);
-    read_vehicle(root, reading);
-    read_sensors(root, reading);
-    read_merged_clouds(root, reading);
-    read_virtual_scans(root, reading);
-    read_merged_scans(root, reading);
-    read_black_box(root, reading);
-    if (reading.mistakes.count() == 0) warn_of_unused(root, reading);
-  });
-  reading.mistakes.throw_if_any();
+  Mistakes mistakes;
+  Mapping root(file, {"vehicle", "sensors", "merged_scans", "merged_clouds", "virtual_scans", "blackbox"},
+               &mistakes);
+  reading.is_complete = root.is_complete();
+  reading.is_vehicle_valid = mistakes.attempt([&] { read_vehicle(root, reading); });
+  for (const auto read_part :
+       {read_sensors, read_merged_clouds, read_virtual_scans, read_merged_scans, read_black_box})
+    mistakes.attempt([&] { read_part(root, reading); });
+  mistakes.throw_if_any();
+  warn_of_unused(root, reading);
   return std::move(reading.config);
 }
 

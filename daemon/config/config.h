@@ -17,7 +17,7 @@
 #include "core/frames/scan_grid.h"
 #include "core/merge/scheduler.h"
 #include "core/virtual/virtualizer.h"
-#include "daemon/config/mistakes.h"
+#include "daemon/config/config_error.h"
 #include "drivers/driver.h"
 #include "drivers/flow.h"
 #include "drivers/model.h"
@@ -176,7 +176,6 @@ struct BlackBoxConfig {
   double megabytes = 256;  ///< of memory at most: a shorter time is kept where that does not suffice
   std::string path;        ///< folder of the captures; empty: $STATE_DIRECTORY, else /var/lib/lidard
   int files = 10;          ///< captures that are kept there; the oldest is removed for a new one
-  bool on_error = true;    ///< written when an item of /diagnostics goes to ERROR
 };
 
 /// The whole configuration, complete and validated.

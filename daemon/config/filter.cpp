@@ -104,13 +104,13 @@ Keys<SensorConfig> filter_rows() {
 void check_filter(Mapping& parent, SensorConfig& sensor) {
   if (!parent.has("filter")) return;
   const Mapping yaml = parent.inside("filter");
-  yaml.attempt_rule([&] { check_intensity(yaml, sensor); });
-  yaml.attempt("box", [&] { read_box(yaml, "box", sensor.filter.box); });
-  yaml.attempt("cut_out", [&] { read_box(yaml, "cut_out", sensor.filter.cut_out); });
+  check_intensity(yaml, sensor);
+  read_box(yaml, "box", sensor.filter.box);
+  read_box(yaml, "cut_out", sensor.filter.cut_out);
   const bool gives_scan = sensor.model->kind == FrameKind::scan || parent.has("scan_ring");
-  if (gives_scan) yaml.attempt_rule([&] { check_height(yaml, sensor.filter); });
-  yaml.attempt_rule([&] { check_voxels(yaml, sensor); });
-  yaml.attempt_rule([&] { load_outliers(yaml, sensor.filter); });
+  if (gives_scan) check_height(yaml, sensor.filter);
+  check_voxels(yaml, sensor);
+  load_outliers(yaml, sensor.filter);
 }
 
 }  // namespace lidard

@@ -32,7 +32,7 @@ struct SensorGroup {
   bool (*takes)(const Model&);  ///< nullptr: every sensor, also one with `topic:`
   bool network;                 ///< they mean nothing beside packet_topic
   Keys<SensorConfig> keys;
-  Rejection of_scanners{}, of_clouds{};  ///< why other models refuse them, and what to do instead
+  std::string_view instead = "no such key";  ///< of other models
 };
 const std::vector<SensorGroup>& sensor_groups();
 /// True if these keys mean something to the sensor.

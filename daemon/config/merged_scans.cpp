@@ -69,14 +69,6 @@ Keys<Merged> fusion_rows() {
           free_required_row()};
 }
 
-/// The sources of a merged scan.
-struct ReadSources {
-  std::vector<SourceLimits> limits;
-  std::vector<NamedSource> named;
-  std::vector<Value> values;  // as written
-  std::vector<std::string> written;
-};
-
 std::string expected_sources(const Config& config) {
   std::string expected = "names of sensors that give scans: " + names_of(config, FrameKind::scan);
   const char* separator = "; or virtual scans: ";
@@ -87,53 +79,22 @@ std::string expected_sources(const Config& config) {
   return expected;
 }
 
-void add_source(const Value& value, const std::string& expected, const std::string& owner, Reading& reading,
-                ReadSources& sources, std::vector<std::string>& names) {
-  const NamedSource source = read_source(value, FrameKind::scan, reading, expected);
-  const bool sensor = source.sensor != nullptr;
-  if (std::find(names.begin(), names.end(), source.name) != names.end())
-    value.fail("names " + source.name + " again", sensor ? "every sensor once" : "every source once");
-  if (sensor) reading.claims.uses(*source.sensor, FrameKind::scan, owner, value);
-  names.push_back(source.name);
-  sources.limits.push_back(sensor ? SourceLimits(*source.sensor) : source.virtual_group->output.grid);
-  sources.named.push_back(source);
-  sources.values.push_back(value);
-  sources.written.push_back(value.text());
-}
-
-/// Mistakes in the sources make the entry invalid, since most rules depend on them.
-ReadSources read_sources(Mapping& yaml, Reading& reading, std::vector<std::string>& names) {
-  ReadSources sources;
-  bool complete = true;
-  complete &= reading.mistakes.attempt(yaml.self().place(), [&] {
-    const std::string expected = expected_sources(reading.config);
-    const Value list = yaml.require("laserscan_topics", expected);
-    const std::vector<Value> values = list.names(expected);
-    if (values.empty()) list.fail("names nothing", expected);
-    for (const Value& value : values)
-      complete &= reading.mistakes.attempt(
-          value.place(), [&] { add_source(value, expected, yaml.self().path(), reading, sources, names); });
-  });
-  if (!complete) reading.mistakes.mark_invalid(yaml.self().path());
-  return sources;
-}
-
 void check_window(const Mapping& yaml, const char* low, const char* high, double least, double most) {
   if (least < most) return;
   yaml.where(yaml.has(high) ? high : low)
       .fail(std::string("leaves nothing between ") + low + " and " + high, std::string(low) + " < " + high);
 }
 
-void read_one_source(const Value& entry, SourceSettings& settings, Mistakes& mistakes) {
-  Mapping yaml = mapping_of(entry, source_keys(), mistakes);
-  read_keys(yaml, source_keys(), settings);
-  yaml.attempt_rule([&] {
-    check_window(yaml, "range_min", "range_max", settings.range_min, settings.range_max);
-    check_window(yaml, "angle_min", "angle_max", settings.angle_min, settings.angle_max);
-  });
+void read_one_source(const Value& entry, SourceSettings& settings) {
+  Mistakes mistakes;
+  const Mapping yaml = mapping_of(entry, source_keys(), mistakes);
+  read_keys(yaml, source_keys(), settings, mistakes);
+  mistakes.throw_if_any();
+  check_window(yaml, "range_min", "range_max", settings.range_min, settings.range_max);
+  check_window(yaml, "angle_min", "angle_max", settings.angle_min, settings.angle_max);
 }
 
-void read_source_settings(Mapping& yaml, const std::vector<std::string>& written, Merged& merged) {
+void read_source_settings(const Mapping& yaml, const std::vector<std::string>& written, Merged& merged) {
   const auto section = yaml.find("source_settings");
   if (!section) return;
   SourceSettings common;
@@ -143,42 +104,42 @@ void read_source_settings(Mapping& yaml, const std::vector<std::string>& written
   const auto& sources = merged.laserscan_topics;
   std::vector<std::string_view> names(sources.begin(), sources.end());
   names.insert(names.end(), written.begin(), written.end());
-  Mapping entries(*section, names, yaml.mistakes());
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    const auto entry = entries.find(names[i]);
-    const std::string& source = sources[i % sources.size()];
-    if (!entry || (i >= sources.size() && names[i] == source)) continue;
-    const auto [settings, is_new] = merged.source_settings.emplace(source, common);
-    if (!is_new)
-      entry->fail_at_key("is " + source + ", which has settings already", "one entry for each source");
-    read_one_source(*entry, settings->second, yaml.mistakes());
+  Mistakes mistakes;
+  const Mapping entries(*section, names, &mistakes);
+  for (const auto& [name, entry] : entries.entries()) {
+    const auto place = static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
+    const std::string& source = sources[place % sources.size()];
+    mistakes.attempt([&, &entry = entry] {
+      const auto [settings, is_new] = merged.source_settings.emplace(source, common);
+      if (!is_new)
+        entry.fail_at_key("is " + source + ", which has settings already", "one entry for each source");
+      read_one_source(entry, settings->second);
+    });
   }
+  mistakes.throw_if_any();
 }
 
-void claim_topics(Mapping& yaml, const Merged& merged, Reading& reading) {
+void claim_topics(const Mapping& yaml, const Merged& merged, Reading& reading) {
   const std::string& owner = yaml.self().path();
   const auto claim = [&](const std::string& topic, std::string_view key) {
-    if (!topic.empty()) yaml.attempt_rule([&] { reading.claims.publishes(topic, owner, yaml.where(key)); });
+    if (!topic.empty()) reading.claims.publishes(topic, owner, yaml.where(key));
   };
   claim(merged.scan_destination_topic, "scan_destination_topic");
   claim(merged.status_topic, "status_topic");
   claim(merged.cloud_destination_topic, "cloud_destination_topic");
   for (const AlsoScanConfig& also : merged.also)
-    yaml.attempt_rule([&] {
-      Mapping section = yaml.inside("also");
-      reading.claims.publishes(also.topic, owner, section.where(also.topic));
-    });
+    reading.claims.publishes(also.topic, owner, yaml.inside("also").where(also.topic));
 }
 
 /// Points alone prove nothing, so they are no evidence for what is free or hidden.
-void refuse_flat_sources(const ReadSources& sources, const Merged& merged) {
+void refuse_flat_sources(const SourceList& sources, const Merged& merged) {
   if (!merged.has_visibility()) return;
   for (std::size_t i = 0; i < sources.named.size(); ++i) {
     const VirtualScanConfig* group = sources.named[i].virtual_group;
-    const Value& value = sources.values[i];
     if (group != nullptr && group->output.profile == Profile::flatten)
-      value.fail("names " + value.quoted() + ", a virtual scan of profile flatten, which proves nothing",
-                 "a virtual scan of profile strict or safety, or profile: flatten here");
+      sources.values[i].fail(
+          "names " + sources.values[i].quoted() + ", a virtual scan of profile flatten, which proves nothing",
+          "a virtual scan of profile strict or safety, or profile: flatten here");
   }
 }
 
@@ -192,25 +153,36 @@ void warn_without_footprint(const Mapping& yaml, const Merged& merged, Reading& 
 }
 
 Merged read_merged(const std::string& name, const Value& entry, Reading& reading) {
-  Mapping yaml = mapping_of(entry, merged_keys(), reading.mistakes);
+  Mistakes mistakes;
+  Mapping yaml = mapping_of(entry, merged_keys(), mistakes);
   Merged merged;
   merged.name = name;
   merged.destination_frame = reading.config.vehicle.base_frame;
   merged.scan_destination_topic = name;
-  const ReadSources sources = read_sources(yaml, reading, merged.laserscan_topics);
-  default_ranges(sources.limits, merged.output.grid);
-  read_keys(yaml, merged_keys(), merged);
-  yaml.attempt("also", [&] { read_also(yaml, merged.also); });
-  yaml.attempt_rule(
-      [&] { check_destination(yaml, merged.destination_frame, merged.destination_pose, reading); });
-  claim_topics(yaml, merged, reading);
-  check_output(yaml, merged.output, reading);
-  yaml.attempt_rule([&] { warn_without_footprint(yaml, merged, reading); });
-  yaml.attempt_rule([&] { refuse_flat_sources(sources, merged); });
-  yaml.attempt_rule([&] {
-    check_policy(yaml, {"laserscan_topics", merged.laserscan_topics, sources.written}, merged.schedule);
+  const auto gives_scans = [](const Value&, const Config&) { return FrameKind::scan; };
+  SourceList sources;
+  const bool has_sources = mistakes.attempt([&] {
+    sources = read_sources(yaml, "laserscan_topics", expected_sources(reading.config), gives_scans, reading);
   });
-  yaml.attempt_rule([&] { read_source_settings(yaml, sources.written, merged); });
+  merged.laserscan_topics = sources.names;
+  std::vector<SourceLimits> limits;
+  for (const NamedSource& source : sources.named)
+    limits.push_back(source.sensor != nullptr ? SourceLimits(*source.sensor)
+                                              : source.virtual_group->output.grid);
+  default_ranges(limits, merged.output.grid);
+  read_keys(yaml, merged_keys(), merged, mistakes);
+  mistakes.attempt([&] { read_also(yaml, merged.also); });
+  if (has_sources) mistakes.attempt([&] { read_source_settings(yaml, sources.written, merged); });
+  // The rules between keys need all of them.
+  mistakes.throw_if_any();
+  mistakes.attempt(
+      [&] { check_destination(yaml, merged.destination_frame, merged.destination_pose, reading); });
+  mistakes.attempt([&] { claim_topics(yaml, merged, reading); });
+  mistakes.attempt([&] { check_output(yaml, merged.output, reading); });
+  mistakes.attempt([&] { refuse_flat_sources(sources, merged); });
+  mistakes.attempt([&] { check_policy(yaml, sources, merged.schedule); });
+  mistakes.throw_if_any();
+  warn_without_footprint(yaml, merged, reading);
   return merged;
 }
 
@@ -242,10 +214,7 @@ const Keys<Merged>& merged_keys() {
 }
 
 void read_merged_scans(Mapping& root, Reading& reading) {
-  root.attempt("merged_scans", [&] {
-    if (const auto section = root.find("merged_scans"))
-      read_entries(*section, reading.config.merged_scans, reading, read_merged);
-  });
+  read_entries(root.find("merged_scans"), reading.config.merged_scans, reading, read_merged);
 }
 
 }  // namespace lidard

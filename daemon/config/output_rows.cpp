@@ -80,8 +80,7 @@ void check_grid(const ScanGridSpec& spec, const Mapping& yaml, Reading& reading)
   const auto grid = make_grid(spec);
   const std::string path = yaml.self().path();
   if (!grid) {
-    const Place place = place_of_complaint(grid.reason(), yaml).place();
-    throw PlacedError(place, path + ": " + grid.reason());
+    throw ConfigError(place_of_complaint(grid.reason(), yaml).place(), path + ": " + grid.reason());
   }
   if (grid->beams < gmapping_beam_limit) return;
   reading.warn(yaml.where(yaml.has("beams") ? "beams" : "angle_increment").place(),
@@ -125,11 +124,9 @@ void default_ranges(const std::vector<SourceLimits>& sources, ScanGridSpec& grid
 }
 
 void check_output(Mapping& yaml, OutputScanConfig& output, Reading& reading) {
-  yaml.attempt_rule([&] {
-    if (output.min_height && output.max_height && *output.max_height <= *output.min_height)
-      yaml.where(yaml.has("max_height") ? "max_height" : "min_height")
-          .fail("leaves no height between min_height and max_height", "min_height < max_height");
-  });
+  if (output.min_height && output.max_height && *output.max_height <= *output.min_height)
+    yaml.where(yaml.has("max_height") ? "max_height" : "min_height")
+        .fail("leaves no height between min_height and max_height", "min_height < max_height");
   ScanGridSpec& grid = output.grid;
   if (!grid.beams && !grid.angle_increment) {
     if (std::abs(grid.angle_max - grid.angle_min - two_pi) < 1e-9)
@@ -137,7 +134,7 @@ void check_output(Mapping& yaml, OutputScanConfig& output, Reading& reading) {
     else
       grid.angle_increment = two_pi / static_cast<double>(default_beams_per_turn);
   }
-  yaml.attempt_rule([&] { check_grid(grid, yaml, reading); });
+  check_grid(grid, yaml, reading);
 }
 
 bool knows_free_space(const OutputScanConfig& output, const std::vector<AlsoScanConfig>& also) {
@@ -149,15 +146,17 @@ bool knows_free_space(const OutputScanConfig& output, const std::vector<AlsoScan
 void read_also(const Mapping& yaml, std::vector<AlsoScanConfig>& also) {
   const auto section = yaml.find("also");
   if (!section) return;
-  for (const auto& [topic, value] : named_entries(*section, &yaml.mistakes())) {
-    yaml.attempt_rule([&, &name = topic, &entry = value] {
-      check_entry_name(name, entry);
+  Mistakes mistakes;
+  for (const auto& [topic, value] : named_entries(*section, &mistakes)) {
+    mistakes.attempt([&, &topic = topic, &value = value] {
+      check_entry_name(topic, value);
       AlsoScanConfig one;
-      one.topic = name;
-      read_section(entry, also_key(), one, yaml.mistakes());
+      one.topic = topic;
+      read_section(value, also_key(), one);
       also.push_back(one);
     });
   }
+  mistakes.throw_if_any();
 }
 
 }  // namespace lidard

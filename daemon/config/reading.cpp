@@ -90,38 +90,14 @@ bool same_source(const Candidate& a, const Candidate& b) {
   return a.source.sensor == b.source.sensor && a.source.name == b.source.name;
 }
 
-/// Up to three names similar to `written`, best first.
-std::string nearest_of(const std::string& written, const std::vector<Candidate>& candidates,
-                       FrameKind wanted) {
-  constexpr std::size_t most = 3;
-  std::vector<std::pair<std::size_t, std::string>> near;
-  for (const Candidate& one : candidates) {
-    const std::size_t distance = edit_distance(without_slash(written), without_slash(one.called));
-    if (one.kind == wanted && is_plausible_slip(written, distance)) near.emplace_back(distance, one.called);
-  }
-  std::sort(near.begin(), near.end());
-  near.erase(std::unique(near.begin(), near.end()), near.end());
-  std::string list;
-  for (std::size_t i = 0; i < std::min(most, near.size()); ++i)
-    list += (i == 0 ? "" : " or ") + near[i].second;
-  return list;
-}
-
-[[noreturn]] void fail_unknown(const Value& value, const std::vector<Candidate>& candidates, FrameKind wanted,
-                               const std::string& expected) {
-  const std::string near = nearest_of(value.text(), candidates, wanted);
-  value.fail("names " + value.quoted() + ", which is no sensor and no topic of one",
-             near.empty() ? expected : near);
-}
-
 }  // namespace
 
 std::string without_slash(const std::string& name) {
   return name.substr(name.compare(0, 1, "/") == 0 ? 1 : 0);
 }
 
-Pose read_pose(const Value& value, Mistakes& mistakes) {
-  Mapping pose(value, {"xyz", "rpy", "rpy_deg"}, mistakes);
+Pose read_pose(const Value& value) {
+  const Mapping pose(value, {"xyz", "rpy", "rpy_deg"});
   const std::string expected = "{xyz: [x, y, z], rpy_deg: [roll, pitch, yaw]}";
   const std::vector<double> xyz = pose.require("xyz", expected).numbers(3, vehicle_size_m, "m");
   Eigen::Vector3d rpy = Eigen::Vector3d::Zero();
@@ -183,8 +159,8 @@ void Reading::add_invalid_names(const std::string& name, const Value& entry) {
   add(entry.node(), 0);
 }
 
-bool Reading::may_be_named(const std::string& name) const {
-  return invalid_names.count(without_slash(name)) != 0 ||
+bool Reading::may_be_invalid(const std::string& name) const {
+  return !is_complete || config.sensors.empty() || invalid_names.count(name) != 0 ||
          invalid_names.count(name.substr(0, name.find('/'))) != 0;
 }
 
@@ -254,8 +230,16 @@ NamedSource read_source(const Value& value, FrameKind kind, const Reading& readi
     }
   }
   if (found != nullptr) return found->source;
-  if (reading.may_be_named(name)) throw AlreadyNoted();
-  if (other_kind == nullptr) fail_unknown(value, candidates, kind, expected);
+  if (reading.may_be_invalid(name)) throw ConfigError(std::vector<ConfigError::Mistake>());
+  if (other_kind == nullptr) {
+    std::vector<std::string_view> names;
+    for (const Candidate& one : candidates) {
+      if (one.kind == kind) names.push_back(one.called);
+    }
+    const std::string_view near = nearest_word(name, names);
+    value.fail("names " + value.quoted() + ", which is no sensor and no topic of one",
+               near.empty() ? expected : std::string(near));
+  }
   if (other_kind->source.sensor == nullptr)
     value.fail("names " + other_kind->called +
                    (other_kind->source.merged_cloud != nullptr ? ", a merged cloud, which gives no scans"

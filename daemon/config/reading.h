@@ -42,23 +42,24 @@ class ConfigClaims {
   std::map<std::string, Use> uses_;
 };
 
-/// A configuration while it is read: what is known so far, and what was wrong.
+/// A configuration while it is read.
 struct Reading {
   Config config;
   ConfigClaims claims;
-  Mistakes mistakes;
   std::set<std::string> invalid_names;  ///< without leading slash
+  bool is_complete = true;              ///< false if the file has unknown sections
+  bool is_vehicle_valid = true;
 
   /// Keeps a remark that is no error.
   void warn(const Place& place, const std::string& what);
-  /// Marks the names of an invalid entry: its own and every text in it.
+  /// Keeps the names of an invalid entry: its own and every text in it, which may be a topic or a frame.
   void add_invalid_names(const std::string& name, const Value& entry);
-  /// True if `name` may belong to an invalid entry.
-  bool may_be_named(const std::string& name) const;
+  /// True if `name` may belong to something that is left out because of a mistake.
+  bool may_be_invalid(const std::string& name) const;
 };
 
 /// A pose from {xyz: m, rpy: rad or rpy_deg}.
-Pose read_pose(const Value& value, Mistakes& mistakes);
+Pose read_pose(const Value& value);
 /// A frame's name without leading slash (tf2 has none).
 std::string read_frame(const Value& value);
 /// A ROS topic name.

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/config/removed_keys.h"
-
 #include <fnmatch.h>
+
+#include "daemon/config/yaml_reader.h"
 
 namespace lidard {
 namespace {
@@ -22,20 +22,26 @@ constexpr RemovedKey removed_keys[] = {
     {"sensors.*.control.save", "no such key: settings are written again when the sensor comes back"},
     {"sensors.*.control.period", "no such key: the sensor is read every 10 s"},
     {"sensors.*.filter.intensity_max", "no such key: intensity_min removes weak returns"},
-    {"merged_scans.*.source_settings.*.intensity_*", "no such key: a limit that is set in the scanner, if it has one"},
+    {"merged_scans.*.source_settings.*.intensity_*",
+     "no such key: a limit that is set in the scanner, if it has one"},
     {"merged_scans.*.source_settings.*.range_noise", "range_noise of the merged scan, for all sources"},
     {"merged_scans.*.source_settings.*.echoes", "echoes of the merged scan, for all sources"},
     {"merged_scans.*.source_settings.*.veil_filter", "veil_filter of the merged scan, for all sources"},
-    {"merged_scans.*.publish_when_empty", "no such key: without any source there is no output, and /diagnostics says why"},
+    {"merged_scans.*.publish_when_empty",
+     "no such key: without any source there is no output, and /diagnostics says why"},
     {"merged_scans.*.max_age", "deadline: a sweep is used until the next one of its source is overdue by it"},
     {"merged_scans.*.fuse", "no such key: of several surfaces the nearest one counts"},
     {"merged_scans.*.conflicts", "no such key: every return counts until its source sends a newer sweep"},
     {"merged_scans.*.free_requires", "a merged scan for each mounting height"},
     {"merged_scans.*.veil_cross_check", "veil_filter, which finds mixed pixels in each scan"},
-    {"merged_scans.*.intensity", "no such key: a merged scan has intensities where all its sources have them"},
-    {"merged_scans.*.missing_intensity", "no such key: a merged scan has intensities where all its sources have them"},
+    {"merged_scans.*.intensity",
+     "no such key: a merged scan has intensities where all its sources have them"},
+    {"merged_scans.*.missing_intensity",
+     "no such key: a merged scan has intensities where all its sources have them"},
     {"*_scans.*.also.*.empty", "an entry of its own, which has empty"},
     {"*_scans.*.also.*.unobserved", "an entry of its own, which has unobserved"},
+    {"blackbox.on_error", "no such key: a capture is written when an item of /diagnostics goes to ERROR"},
+    {"virtual_scans.*.ground.steepest", "no such key: ground of model slope rises by 0.15 m per m at most"},
     {"virtual_scans.*.free_required", "range_max: a beam is free where its way is observed as far as that"},
     {"virtual_scans.*.keep_ground", "ground: none"},
     {"virtual_scans.*.range_noise", "no such key: 0.02 m, that of the lidars that give clouds"},

@@ -33,14 +33,7 @@ std::string read_word(const Value& value, const Key& key) {
   value.fail("is " + value.quoted(), expected);
 }
 
-std::string read_text(const Value& value, const Key& key) {
-  if (key.may_be_empty && value.text_or_empty().empty()) return {};
-  if (key.kind == KeyKind::topic) return read_topic(value);
-  if (key.kind == KeyKind::frame) return read_frame(value);
-  return value.text(expected_of(key));
-}
-
-KeyValue read_plain(const Value& value, const Key& key, Mistakes& mistakes) {
+KeyValue read_plain(const Value& value, const Key& key) {
   switch (key.kind) {
     case KeyKind::flag:
       return value.boolean();
@@ -52,10 +45,14 @@ KeyValue read_plain(const Value& value, const Key& key, Mistakes& mistakes) {
     case KeyKind::word:
       return read_word(value, key);
     case KeyKind::pose:
-      return read_pose(value, mistakes);
+      return read_pose(value);
     default:
-      return read_text(value, key);
+      break;
   }
+  if (key.may_be_empty && value.text_or_empty().empty()) return std::string();
+  if (key.kind == KeyKind::topic) return read_topic(value);
+  if (key.kind == KeyKind::frame) return read_frame(value);
+  return value.text(expected_of(key));
 }
 
 /// The value in a message: a number as parsed, others as written.
@@ -80,8 +77,8 @@ std::string expected_of(const Key& key) {
   return "a text";
 }
 
-KeyValue read_value(const Value& value, const Key& key, Mistakes& mistakes) {
-  KeyValue read = read_plain(value, key, mistakes);
+KeyValue read_value(const Value& value, const Key& key) {
+  KeyValue read = read_plain(value, key);
   if (key.rejection == nullptr) return read;
   if (auto rejection = key.rejection(read)) {
     const std::size_t gap = rejection->what.find("{}");
@@ -97,7 +94,7 @@ std::optional<KeyValue> read_value(const Mapping& yaml, const Key& key) {
     return angle ? std::optional<KeyValue>(*angle) : std::nullopt;
   }
   const auto value = key.required ? yaml.require(key.name, expected_of(key)) : yaml.find(key.name);
-  return value ? std::optional<KeyValue>(read_value(*value, key, yaml.mistakes())) : std::nullopt;
+  return value ? std::optional<KeyValue>(read_value(*value, key)) : std::nullopt;
 }
 
 void write_tree(YAML::Emitter& yaml, const KeyValue& value) {

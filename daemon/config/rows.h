@@ -19,7 +19,7 @@ std::string expected_of(const Key& key);
 /// The value of `key` in `yaml`, checked against the row; empty if it is missing.
 std::optional<KeyValue> read_value(const Mapping& yaml, const Key& key);
 /// Reads a single value.
-KeyValue read_value(const Value& value, const Key& key, Mistakes& mistakes);
+KeyValue read_value(const Value& value, const Key& key);
 void write_tree(YAML::Emitter& yaml, const KeyValue& value);
 /// Writes name and value; nothing for "not set".
 void write_value(YAML::Emitter& yaml, std::string_view name, const KeyValue& value);
@@ -40,42 +40,50 @@ template <class Owner>
 Mapping mapping_of(const Value& value, const Keys<Owner>& keys, Mistakes& mistakes) {
   std::vector<std::string> names;
   add_names(keys, names);
-  return {value, {names.begin(), names.end()}, mistakes};
+  return {value, {names.begin(), names.end()}, &mistakes};
 }
 
 template <class Owner>
-void read_keys(const Mapping& yaml, const Keys<Owner>& keys, Owner& owner);
+void read_keys(const Mapping& yaml, const Keys<Owner>& keys, Owner& owner, Mistakes& mistakes);
+
+/// Reads a mapping of these keys.
+template <class Owner>
+void read_mapping(const Value& value, const Keys<Owner>& keys, Owner& owner) {
+  Mistakes mistakes;
+  read_keys(mapping_of(value, keys, mistakes), keys, owner, mistakes);
+  mistakes.throw_if_any();
+}
 
 /// Reads the keys below `key`.
 template <class Owner>
-void read_section(const Value& value, const KeyOf<Owner>& key, Owner& owner, Mistakes& mistakes) {
+void read_section(const Value& value, const KeyOf<Owner>& key, Owner& owner) {
   if (key.short_form && value.node().IsScalar()) {
     const auto& first = key.inner.front();
-    first.set(owner, read_value(value, first, mistakes));
+    first.set(owner, read_value(value, first));
   } else {
-    const Mapping inside = mapping_of(value, key.inner, mistakes);
-    read_keys(inside, key.inner, owner);
+    read_mapping(value, key.inner, owner);
   }
 }
 
-/// Reads the key from `yaml`, if present, unless its section reads it. Mistakes are noted and leave `owner`
-/// unchanged.
+/// Reads the key from `yaml`, if present, unless its section reads it.
 template <class Owner>
 void read_key(const Mapping& yaml, const KeyOf<Owner>& key, Owner& owner) {
   if (key.kind == KeyKind::special) return;
-  yaml.attempt(key.name, [&] {
-    if (key.kind == KeyKind::section) {
-      if (const auto value = yaml.find(key.name)) read_section(*value, key, owner, yaml.mistakes());
-      return;
-    }
-    Key limited = key;
-    if (key.most) limited.highest = key.most(owner);
-    if (const auto value = read_value(yaml, limited); value && key.set) key.set(owner, *value);
-  });
+  if (key.kind == KeyKind::section) {
+    if (const auto value = yaml.find(key.name)) read_section(*value, key, owner);
+    return;
+  }
+  Key limited = key;
+  if (key.most) limited.highest = key.most(owner);
+  if (const auto value = read_value(yaml, limited); value && key.set) key.set(owner, *value);
 }
+/// Reads the keys; a mistake in one is kept in `mistakes` and leaves `owner` unchanged.
 template <class Owner>
-void read_keys(const Mapping& yaml, const Keys<Owner>& keys, Owner& owner) {
-  for (const auto& key : keys) read_key(yaml, key, owner);
+void read_keys(const Mapping& yaml, const Keys<Owner>& keys, Owner& owner, Mistakes& mistakes) {
+  for (const auto& key : keys) {
+    // A limit that depends on other keys is not known while one of them is wrong.
+    if (!key.most || !mistakes.any()) mistakes.attempt([&] { read_key(yaml, key, owner); });
+  }
 }
 
 /// Writes every key with its value, or the behaviour without a value.

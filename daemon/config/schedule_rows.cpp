@@ -28,6 +28,31 @@ std::size_t index_of_source(const Value& value, const SourceList& list) {
 
 }  // namespace
 
+SourceList read_sources(const Mapping& yaml, std::string_view key, const std::string& expected,
+                        FrameKind (*kind_of)(const Value&, const Config&), Reading& reading) {
+  SourceList list{key, {}, {}, {}, {}};
+  const Value all = yaml.require(key, expected);
+  list.values = all.names(expected);
+  if (list.values.empty()) all.fail("names nothing", expected);
+  Mistakes mistakes;
+  for (const Value& value : list.values) {
+    mistakes.attempt([&] {
+      const FrameKind kind = kind_of(value, reading.config);
+      const NamedSource source = read_source(value, kind, reading, expected);
+      if (source.merged_cloud != nullptr)
+        value.fail("names " + value.quoted() + ", a merged cloud", expected);
+      if (std::find(list.names.begin(), list.names.end(), source.name) != list.names.end())
+        value.fail("names " + source.name + " again", "every source once");
+      if (source.sensor != nullptr) reading.claims.uses(*source.sensor, kind, yaml.self().path(), value);
+      list.names.push_back(source.name);
+      list.written.push_back(value.text());
+      list.named.push_back(source);
+    });
+  }
+  mistakes.throw_if_any();
+  return list;
+}
+
 Keys<ScheduleSettings> policy_rows() {
   using S = ScheduleSettings;
   const Words<Policy> policies{

@@ -49,7 +49,12 @@ struct SourceList {
   std::string_view key;  ///< that they stand in
   std::vector<std::string> names;
   std::vector<std::string> written;  ///< as they are called there
+  std::vector<NamedSource> named;
+  std::vector<Value> values;
 };
+/// Reads the sources that `key` names, each once; `kind_of` says which frames are wanted of one.
+SourceList read_sources(const Mapping& yaml, std::string_view key, const std::string& expected,
+                        FrameKind (*kind_of)(const Value&, const Config&), Reading& reading);
 constexpr const char* trigger_form = "the source whose sweeps trigger the output";
 Keys<ScheduleSettings> policy_rows();
 Keys<ScheduleSettings> patience_rows();
@@ -88,22 +93,20 @@ KeyOf<Output> also_row() {
   return keys::special<Output>("also", "{TOPIC: PROFILE, …}", get,
                                "more scans of the same evidence, by topic");
 }
-/// Reads the entries of a section. Those in which something is wrong are left out, but their names are known.
+/// Reads the entries of a section, if there is one. Of those in which something is wrong the names are kept.
 template <class Entry>
-void read_entries(const Value& section, std::vector<Entry>& entries, Reading& reading,
+void read_entries(const std::optional<Value>& section, std::vector<Entry>& entries, Reading& reading,
                   Entry (*read_one)(const std::string& name, const Value& entry, Reading& reading)) {
-  for (const auto& [name, value] : named_entries(section, &reading.mistakes)) {
-    const std::size_t before = reading.mistakes.count();
-    Entry entry;
-    reading.mistakes.attempt(value.place(), [&, &name = name, &value = value] {
+  if (!section) return;
+  Mistakes mistakes;
+  for (const auto& [name, value] : named_entries(*section, &mistakes)) {
+    const bool is_valid = mistakes.attempt([&, &name = name, &value = value] {
       check_entry_name(name, value);
-      entry = read_one(name, value, reading);
+      entries.push_back(read_one(name, value, reading));
     });
-    if (reading.mistakes.count() == before)
-      entries.push_back(std::move(entry));
-    else
-      reading.add_invalid_names(name, value);
+    if (!is_valid) reading.add_invalid_names(name, value);
   }
+  mistakes.throw_if_any();
 }
 
 }  // namespace lidard

@@ -17,22 +17,11 @@ constexpr double last_port = 65535;
 constexpr const char* sender_form = "the sensor's IPv4 address like 192.168.1.201";
 constexpr const char* group_form = "a multicast address like 239.0.0.10";
 
-/// Why models reject keys that others accept, and the remedy.
-constexpr const char* no_key = "no such key";
-const Rejection no_cloud{", which is no multi-plane lidar", no_key};
-const Rejection no_settings{", to whose settings nothing is said", "no such key; set it up in the device"};
-const Rejection no_web{", which has no web interface that is known",
-                       "no such key: it applies to Velodynes other than the HDL-64E"};
-const Rejection no_packets{", whose packets travel in no message that is known",
-                           "a Velodyne, or no such key"};
-const Rejection no_paths{", which is no safety scanner of SICK", no_key};
-const Rejection no_telemetry{", which sends no telemetry beside its data", no_key};
-const Rejection no_beams{", whose clouds are complete with all returns",
-                         "no such key; view_direction and view_width keep a sector"};
-const Rejection calibrated{", which sends calibrated measurements", no_key};
-const Rejection over_tcp{", which is read over TCP", no_key};
-const Rejection no_clock{", which is not asked for its clock",
-                         "clock: smooth, which follows the device clock all the time"};
+/// What to do with a key that the model does not have.
+constexpr std::string_view set_in_device = "no such key; set it up in the device";
+constexpr std::string_view by_sector =
+    "no such key; of a multi-plane lidar view_direction and view_width keep a sector";
+constexpr std::string_view by_clock = "clock: smooth, which follows the device clock all the time";
 
 bool any_model(const Model& /*model*/) { return true; }
 template <FrameKind kind>
@@ -229,44 +218,40 @@ const std::vector<SensorGroup>& sensor_groups() {
   };
   static const std::vector<SensorGroup> groups{
       {"", any_model, false, {model_row()}},
-      {"Velodynes", can<Trait::packet_messages>, false, packet_rows(), no_packets, no_packets},
+      {"Velodynes", can<Trait::packet_messages>, false, packet_rows()},
       {"", any_model, true, network_rows()},
       {"devices with a satellite receiver",
        can<Trait::gnss>,
        true,
        {whole("telemetry_port", &S::telemetry_port, 0, last_port,
               "local UDP port of a satellite receiver's sentences; 0: none")
-            .by_default("of the model")},
-       no_telemetry,
-       no_telemetry},
-      {"devices with a satellite receiver", can<Trait::gnss>, false, of_driver(receiver_clock_keys()),
-       no_telemetry, no_telemetry},
-      {"devices that stream over UDP", udp, true, group_rows(), over_tcp, over_tcp},
+            .by_default("of the model")}},
+      {"devices with a satellite receiver", can<Trait::gnss>, false, of_driver(receiver_clock_keys())},
+      {"devices that stream over UDP", udp, true, group_rows()},
       {"", nullptr, false, joined<S>({place_rows(), of_driver(time_rows())})},
       {"", any_model, false, of_driver(clock_rows())},
       {"", any_model, false, filter_rows()},
       {"SICK devices with settings", can<Trait::settings_writable>, false, of_requests(write_keys()),
-       no_settings, no_settings},
+       set_in_device},
       {"SICK devices that stream over UDP", can<Trait::receiver_settable>, false,
-       of_requests(receiver_keys()), no_settings, no_settings},
-      {"SICK devices with logins", can<Trait::logins>, false, of_requests(login_keys()), no_settings,
-       no_settings},
-      {"Velodynes but the HDL-64E", can<Trait::web_control>, true, control_rows(), no_web, no_web},
-      {"planar scanners", gives<FrameKind::scan>, false, of_driver(planar_rows()), {}, no_beams},
+       of_requests(receiver_keys()), set_in_device},
+      {"SICK devices with logins", can<Trait::logins>, false, of_requests(login_keys()), set_in_device},
+      {"Velodynes but the HDL-64E", can<Trait::web_control>, true, control_rows()},
+      {"planar scanners", gives<FrameKind::scan>, false, of_driver(planar_rows()), by_sector},
       {"planar scanners and Velodynes", gives_scans, false, {scan_topic_row()}},
-      {"planar scanners with several echoes", echoes, false, of_driver(echo_rows()), {}, no_beams},
-      {"SICK safety scanners", has_output_paths, false, safety_topic_rows(), no_paths, no_paths},
+      {"planar scanners with several echoes", echoes, false, of_driver(echo_rows())},
+      {"SICK safety scanners", has_output_paths, false, safety_topic_rows()},
       {"SICK safety scanners, SICK scanners that speak CoLa", can<Trait::states_on_request>, false,
        of_requests(state_keys())},
-      {"SICK scanners that speak CoLa, Hokuyos that speak SCIP", can_skip, false, of_requests(skip_keys())},
+      {"SICK scanners that speak CoLa, Hokuyos that speak SCIP", can_skip, false, of_requests(skip_keys()),
+       set_in_device},
       {"Hokuyos that speak SCIP", can<Trait::skip_request>, false, of_requests(scip_keys())},
-      {"Hokuyos that speak SCIP", can<Trait::skip_request>, false, of_requests(scip_clock_keys()), no_clock,
-       no_clock},
-      {"multi-plane lidars", gives<FrameKind::cloud>, false, cloud_rows(), no_cloud},
+      {"Hokuyos that speak SCIP", can<Trait::skip_request>, false, of_requests(scip_clock_keys()), by_clock},
+      {"multi-plane lidars", gives<FrameKind::cloud>, false, cloud_rows()},
       {"Velodynes", can<Trait::revolutions>, false,
-       joined<S>({of_driver(revolution_keys()), within(&S::layout, order_rows())}), no_cloud},
-      {"Velodynes", can<Trait::revolutions>, false, ring_rows(), no_cloud},
-      {"Velodynes", can<Trait::calibration>, false, calibration_rows(), calibrated, calibrated}};
+       joined<S>({of_driver(revolution_keys()), within(&S::layout, order_rows())})},
+      {"Velodynes", can<Trait::revolutions>, false, ring_rows()},
+      {"Velodynes", can<Trait::calibration>, false, calibration_rows()}};
   return groups;
 }
 

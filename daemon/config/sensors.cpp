@@ -7,7 +7,6 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
-#include <set>
 #include <utility>
 
 #include "core/base/angle.h"
@@ -29,31 +28,26 @@ bool holds(const SensorGroup& group, const std::string& key) {
 Rejection refusal(const std::string& key, const SensorConfig& sensor) {
   if (sensor.model == nullptr)
     return {"does not apply to a source with topic:", "topic, frame_id, pose and time_offset only"};
-  const bool cloud = sensor.model->kind == FrameKind::cloud;
-  Rejection why =
-      cloud ? Rejection{", whose clouds are complete with all returns", "no such key"}
-            : Rejection{", which sends what its own configuration says", "no such key; set it in the device"};
+  std::string models, instead;
   for (const SensorGroup& group : sensor_groups()) {
     if (!holds(group, key)) continue;
     if (group.network && group.takes(*sensor.model))
       return {"is given beside packet_topic", "one of them: the network and its sensor are another node's"};
-    const Rejection& own = cloud ? group.of_clouds : group.of_scanners;
-    if (!own.what.empty()) why = own;
+    models.append(models.empty() ? "" : ", ").append(group.models);
+    instead = group.instead;
   }
-  return {"is not available for " + std::string(sensor.model->name) + why.what, why.expected};
+  return {"is not available for " + std::string(sensor.model->name) + ", only for " + models, instead};
 }
 
-void check_keys(const Mapping& yaml, const SensorConfig& sensor) {
+void check_keys(const Mapping& yaml, const SensorConfig& sensor, Mistakes& mistakes) {
   const auto& groups = sensor_groups();
-  for (const std::string& key : yaml.keys()) {
-    const bool is_taken = std::any_of(groups.begin(), groups.end(), [&](const SensorGroup& group) {
-      return takes(sensor, group) && holds(group, key);
-    });
+  for (const auto& [key, value] : yaml.entries()) {
+    const bool is_taken = std::any_of(
+        groups.begin(), groups.end(),
+        [&, &name = key](const SensorGroup& group) { return takes(sensor, group) && holds(group, name); });
     if (is_taken) continue;
-    yaml.attempt_rule([&] {
-      const Rejection why = refusal(key, sensor);
-      yaml.where(key).fail_at_key(why.what, why.expected);
-    });
+    const Rejection why = refusal(key, sensor);
+    mistakes.attempt([&, &value = value] { value.fail_at_key(why.what, why.expected); });
   }
 }
 
@@ -80,14 +74,11 @@ void set_defaults(SensorConfig& sensor) {
 
 void read_kind(Mapping& yaml, SensorConfig& sensor) {
   const auto model = yaml.find("model");
-  if (model && yaml.has("topic")) {
-    const Value& topic = yaml.where("topic");
-    yaml.mistakes().mark_invalid(topic.path());
-    topic.fail_at_key("is given beside model", "one of them: model (our driver) or topic (another driver)");
-  }
-  if (!model && !yaml.has("topic") && yaml.mistakes().is_invalid(yaml.self().path())) throw AlreadyNoted();
+  if (model && yaml.has("topic"))
+    yaml.where("topic").fail_at_key("is given beside model",
+                                    "one of them: model (our driver) or topic (another driver)");
   if (!model && !yaml.has("topic"))
-    yaml.self().fail_at_key("has neither model nor topic", "model: a name from `lidard models`, or topic:");
+    yaml.fail_missing("has neither model nor topic", "model: a name from `lidard models`, or topic:");
   if (!model) return;
   sensor.model = read_model(*model);
   set_defaults(sensor);
@@ -148,7 +139,6 @@ void check_control(Mapping& parent, SensorConfig& sensor, Reading& reading) {
   control.data_port = sensor.ip_port;
   if (!parent.has("control")) return;
   Mapping yaml = parent.inside("control");
-  reading.mistakes.end_if_invalid(yaml.self().path());
   if (!yaml.has("read")) control.read = control.wanted.any();
   if (control.wanted.fov_start_deg && control.wanted.fov_start_deg == control.wanted.fov_end_deg)
     yaml.inside("fov").where("end_deg").fail("is start_deg too",
@@ -213,15 +203,13 @@ void read_ring_scan(Mapping& yaml, SensorConfig& sensor) {
   sensor.driver.keep_too_near = true;
 }
 
-void check_cloud(Mapping& yaml, SensorConfig& sensor, const VehicleConfig& vehicle) {
-  yaml.attempt_rule([&] {
-    if (sensor.deskew && !vehicle.has_motion())
-      yaml.where("deskew").fail_at_key("needs to know how the vehicle moves",
-                                       "vehicle.odometry_frame, vehicle.odometry_topic or vehicle.imu_topic");
-  });
+void check_cloud(Mapping& yaml, SensorConfig& sensor, const Reading& reading) {
+  if (sensor.deskew && !reading.config.vehicle.has_motion() && reading.is_vehicle_valid)
+    yaml.where("deskew").fail_at_key("needs to know how the vehicle moves",
+                                     "vehicle.odometry_frame, vehicle.odometry_topic or vehicle.imu_topic");
   if (!sensor.model->has(Trait::revolutions)) return;
-  yaml.attempt_rule([&] { check_frames(yaml, sensor.driver); });
-  yaml.attempt_rule([&] { read_ring_scan(yaml, sensor); });
+  check_frames(yaml, sensor.driver);
+  read_ring_scan(yaml, sensor);
 }
 
 /// Claims the topics that the sensor publishes and listens to.
@@ -258,17 +246,6 @@ void check_distinct(const Mapping& yaml, const SensorConfig& sensor,
     yaml.self().fail_at_key("and sensors." + other.name + " share port " + port +
                                 " without ip_address, so nothing tells them apart",
                             "ip_address for at least one of them");
-  }
-}
-
-/// While the model is unknown, all values are checked.
-void read_groups(Mapping& yaml, bool known, SensorConfig& sensor) {
-  std::set<std::string_view> read;
-  for (const SensorGroup& group : sensor_groups()) {
-    if (known && !takes(sensor, group)) continue;
-    for (const auto& row : group.keys) {
-      if (known || read.insert(row.name).second) read_key(yaml, row, sensor);
-    }
   }
 }
 
@@ -319,36 +296,39 @@ void read_calibration(Mapping& yaml, SensorConfig& sensor, Reading& reading) {
   sensor.driver.calibration = std::move(calibration);
 }
 
-void check_device(Mapping& yaml, SensorConfig& sensor, Reading& reading) {
-  yaml.attempt_rule([&] { check_network(yaml, sensor); });
-  yaml.attempt_rule([&] { check_beams(yaml, sensor.driver); });
-  yaml.attempt_rule([&] { check_filter(yaml, sensor); });
-  yaml.attempt_rule([&] {
-    if (sensor.model->has(Trait::web_control) && sensor.packet_topic.empty())
-      check_control(yaml, sensor, reading);
-  });
-  yaml.attempt_rule([&] {
-    if (sensor.model->has(Trait::calibration)) read_calibration(yaml, sensor, reading);
-  });
-  yaml.attempt_rule([&] { check_requests(yaml, sensor); });
-  check_cloud(yaml, sensor, reading.config.vehicle);
+void check_device(Mapping& yaml, SensorConfig& sensor, Reading& reading, Mistakes& mistakes) {
+  mistakes.attempt([&] { check_network(yaml, sensor); });
+  mistakes.attempt([&] { check_beams(yaml, sensor.driver); });
+  mistakes.attempt([&] { check_filter(yaml, sensor); });
+  if (sensor.model->has(Trait::web_control) && sensor.packet_topic.empty())
+    mistakes.attempt([&] { check_control(yaml, sensor, reading); });
+  if (sensor.model->has(Trait::calibration))
+    mistakes.attempt([&] { read_calibration(yaml, sensor, reading); });
+  mistakes.attempt([&] { check_requests(yaml, sensor); });
+  // The level ring may depend on the calibration.
+  if (!mistakes.any()) mistakes.attempt([&] { check_cloud(yaml, sensor, reading); });
 }
 
 SensorConfig read_sensor(const std::string& name, const Value& entry, Reading& reading) {
   std::vector<std::string> names;
   for (const SensorGroup& group : sensor_groups()) add_names(group.keys, names);
-  Mapping yaml(entry, {names.begin(), names.end()}, reading.mistakes);
+  Mistakes mistakes;
+  Mapping yaml(entry, {names.begin(), names.end()}, &mistakes);
   SensorConfig sensor;
   sensor.name = sensor.frame_id = name;
-  const bool known = reading.mistakes.attempt(entry.place(), [&] { read_kind(yaml, sensor); });
-  read_groups(yaml, known, sensor);
-  if (!known) return sensor;
+  const bool is_known = mistakes.attempt([&] { read_kind(yaml, sensor); });
+  for (const SensorGroup& group : sensor_groups()) {
+    if (!is_known || takes(sensor, group)) read_keys(yaml, group.keys, sensor, mistakes);
+  }
+  if (is_known) check_keys(yaml, sensor, mistakes);
+  // The rules between keys need all of them.
+  mistakes.throw_if_any();
   sensor.driver.frame_id = sensor.frame_id;
-  yaml.attempt_rule([&] { claim_pose(yaml, sensor, reading); });
-  if (sensor.model != nullptr) check_device(yaml, sensor, reading);
-  yaml.attempt_rule([&] { claim_topics(yaml, sensor, reading); });
-  check_keys(yaml, sensor);
-  yaml.attempt_rule([&] { check_distinct(yaml, sensor, reading.config.sensors); });
+  mistakes.attempt([&] { claim_pose(yaml, sensor, reading); });
+  if (sensor.model != nullptr) check_device(yaml, sensor, reading, mistakes);
+  mistakes.attempt([&] { claim_topics(yaml, sensor, reading); });
+  mistakes.attempt([&] { check_distinct(yaml, sensor, reading.config.sensors); });
+  mistakes.throw_if_any();
   return sensor;
 }
 
@@ -363,13 +343,11 @@ void set_ring_limits(SensorConfig& sensor) {
 
 void read_sensors(Mapping& root, Reading& reading) {
   const std::string expected = "sensors: with at least one entry, each with model: or topic:";
-  // After other mistakes the section may be present under a misspelt name.
-  if (!root.has("sensors") && reading.mistakes.count() > 0) return;
-  root.attempt("sensors", [&] {
-    const Value section = root.require("sensors", expected);
-    read_entries(section, reading.config.sensors, reading, read_sensor);
-    if (reading.config.sensors.empty() && reading.invalid_names.empty()) section.fail("is empty", expected);
-  });
+  // A section that is indented too far is an unknown key of `vehicle`.
+  if (!root.has("sensors") && !reading.is_vehicle_valid) return;
+  const Value section = root.require("sensors", expected);
+  read_entries(section, reading.config.sensors, reading, read_sensor);
+  if (reading.config.sensors.empty()) section.fail("is empty", expected);
 }
 
 }  // namespace lidard

@@ -1,7 +1,9 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-// `vehicle:` of a configuration.
-#include <cmath>
+// `vehicle:` and `blackbox:` of a configuration.
+#include <boost/geometry.hpp>
+#include <boost/geometry/geometries/point_xy.hpp>
+#include <boost/geometry/geometries/polygon.hpp>
 
 #include "daemon/config/sections.h"
 
@@ -13,47 +15,9 @@ using namespace keys;
 constexpr double largest_vehicle_m = 1000;
 constexpr double smallest_area_m2 = 1e-4;
 
+namespace geometry = boost::geometry;
 using Point = Eigen::Vector2d;
-
-double cross(const Point& a, const Point& b) { return a.x() * b.y() - a.y() * b.x(); }
-
-/// True if the closed segments a–b and c–d intersect.
-bool meet(const Point& a, const Point& b, const Point& c, const Point& d) {
-  const auto side = [](const Point& p, const Point& q, const Point& r) {
-    const double area = cross(q - p, r - p);
-    return area > 0 ? 1 : area < 0 ? -1 : 0;
-  };
-  const auto within = [](const Point& p, const Point& q, const Point& r) {
-    return (r - p).dot(r - q) <= 0;  // r is on the line p–q: is it between them?
-  };
-  const int sides[] = {side(a, b, c), side(a, b, d), side(c, d, a), side(c, d, b)};
-  if (sides[0] != sides[1] && sides[2] != sides[3]) return true;
-  return (sides[0] == 0 && within(a, b, c)) || (sides[1] == 0 && within(a, b, d)) ||
-         (sides[2] == 0 && within(c, d, a)) || (sides[3] == 0 && within(c, d, b));
-}
-
-double area_of(const std::vector<Point>& polygon) {
-  double twice = 0;
-  for (std::size_t i = 0; i < polygon.size(); ++i)
-    twice += cross(polygon[i], polygon[(i + 1) % polygon.size()]);
-  return std::abs(twice) / 2;
-}
-
-void check_simple(const std::vector<Point>& polygon, const std::vector<Value>& vertices) {
-  const std::size_t n = polygon.size();
-  const std::string expected = "vertices in order around the vehicle, each once";
-  for (std::size_t i = 0; i < n; ++i) {
-    if ((polygon[i] - polygon[(i + 1) % n]).norm() < 1e-6)
-      vertices[(i + 1) % n].fail("is the same point as its neighbour", expected);
-  }
-  for (std::size_t i = 0; i < n; ++i) {
-    for (std::size_t j = i + 2; j < n; ++j) {
-      if (i == 0 && j == n - 1) continue;
-      if (meet(polygon[i], polygon[i + 1], polygon[j], polygon[(j + 1) % n]))
-        vertices[j].fail("begins an edge that crosses the one from vertex " + std::to_string(i), expected);
-    }
-  }
-}
+using Outline = geometry::model::polygon<geometry::model::d2::point_xy<double>, false, false>;
 
 std::vector<Point> read_footprint(const Value& value) {
   const std::string expected = "a list of 3 to 1000 vertices [x, y] in m";
@@ -62,12 +26,25 @@ std::vector<Point> read_footprint(const Value& value) {
   if (vertices.size() < 3 || vertices.size() > 1000)
     value.fail("has " + std::to_string(vertices.size()) + " vertices", expected);
   std::vector<Point> polygon;
+  Outline outline;
   for (const Value& vertex : vertices) {
     const std::vector<double> xy = vertex.numbers(2, largest_vehicle_m, "m");
     polygon.emplace_back(xy[0], xy[1]);
+    geometry::append(outline, Outline::point_type(xy[0], xy[1]));
   }
-  check_simple(polygon, vertices);
-  if (area_of(polygon) < smallest_area_m2) value.fail("has no area", expected);
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    if ((polygon[i] - polygon[(i + 1) % polygon.size()]).norm() < 1e-6)
+      vertices[(i + 1) % polygon.size()].fail("is the same point as its neighbour", "each vertex once");
+  }
+  geometry::correct(outline);
+  std::string why;
+  if (!geometry::is_valid(outline, why)) {
+    const std::size_t at = why.find(" at (");
+    value.fail("crosses itself or has no area" +
+                   (at == std::string::npos ? "" : why.substr(at, why.find(')', at) + 1 - at)),
+               "vertices in order around the vehicle, each once");
+  }
+  if (geometry::area(outline) < smallest_area_m2) value.fail("has no area", expected);
   return polygon;
 }
 
@@ -84,7 +61,6 @@ KeyOf<VehicleConfig> footprint_row() {
 
 /// Checks the source of the vehicle's motion.
 void check_motion(const Mapping& yaml, const VehicleConfig& vehicle) {
-  yaml.mistakes().end_if_invalid(yaml.self().path());
   const bool odometry = !vehicle.odometry_frame.empty();
   const bool topic = !vehicle.odometry_topic.empty();
   const bool imu = !vehicle.imu_topic.empty();
@@ -118,20 +94,42 @@ const Keys<VehicleConfig>& vehicle_keys() {
 }
 
 void read_vehicle(Mapping& root, Reading& reading) {
-  root.attempt("vehicle", [&] {
-    const auto section = root.find("vehicle");
-    if (!section) return;
-    VehicleConfig& vehicle = reading.config.vehicle;
-    Mapping yaml = mapping_of(*section, vehicle_keys(), reading.mistakes);
-    read_keys(yaml, vehicle_keys(), vehicle);
-    yaml.attempt("footprint", [&] {
-      const auto footprint = yaml.find("footprint");
-      if (footprint) vehicle.footprint = read_footprint(*footprint);
-      // The outline is published: RosOutline.
-      if (!vehicle.footprint.empty()) reading.claims.publishes("footprint", "vehicle.footprint", *footprint);
-    });
-    yaml.attempt_rule([&] { check_motion(yaml, vehicle); });
-  });
+  const auto section = root.find("vehicle");
+  if (!section) return;
+  VehicleConfig& vehicle = reading.config.vehicle;
+  Mistakes mistakes;
+  Mapping yaml = mapping_of(*section, vehicle_keys(), mistakes);
+  read_keys(yaml, vehicle_keys(), vehicle, mistakes);
+  if (const auto footprint = yaml.find("footprint"))
+    mistakes.attempt([&] { vehicle.footprint = read_footprint(*footprint); });
+  mistakes.throw_if_any();
+  // The outline is published: RosOutline.
+  if (!vehicle.footprint.empty())
+    reading.claims.publishes("footprint", "vehicle.footprint", yaml.where("footprint"));
+  check_motion(yaml, vehicle);
+}
+
+const Keys<BlackBoxConfig>& black_box_keys() {
+  using namespace keys;
+  using B = BlackBoxConfig;
+  static const Keys<B> all{
+      number("seconds", &B::seconds, 0, 3600, "s",
+             "packets of all sensors so far back are kept in memory, and written when something goes wrong; "
+             "0: none"),
+      number("megabytes", &B::megabytes, 1, 100'000, "MB",
+             "memory for them at most; where that does not suffice, a shorter time is kept"),
+      text("path", &B::path, "a folder",
+           "where the captures are written; empty: $STATE_DIRECTORY, else /var/lib/lidard")
+          .or_empty(),
+      whole("files", &B::files, 1, 1000,
+            "captures kept there; a new one takes the place of the oldest, but the first of each kind of "
+            "error stays")};
+  return all;
+}
+
+void read_black_box(Mapping& root, Reading& reading) {
+  if (const auto section = root.find("blackbox"))
+    read_mapping(*section, black_box_keys(), reading.config.black_box);
 }
 
 }  // namespace lidard

@@ -43,9 +43,7 @@ Keys<GroundSettings> ground_rows() {
       {"none", GroundModel::none}, {"plane", GroundModel::plane}, {"slope", GroundModel::slope}};
   return {word("model", &G::model, grounds, "what the ground is taken for").needed(),
           number("z", &G::z, -farthest_m, farthest_m, "m", "its height in vehicle.base_frame"),
-          number("tolerance", &G::tolerance, 0.001, 10, "m", "what lies nearer to it belongs to it"),
-          number("steepest", &G::steepest, 0.001, 1, "m of rise per m", "of model slope")
-              .shown_if([](const G& ground) { return ground.model == GroundModel::slope; })};
+          number("tolerance", &G::tolerance, 0.001, 10, "m", "what lies nearer to it belongs to it")};
 }
 
 /// Keys that say how surfaces and free space are found.
@@ -82,15 +80,16 @@ void read_poses(Mapping& yaml, Virtual& scan, Reading& reading) {
     scan.poses[scan.base_frame] = Pose::Identity();
   const auto section = yaml.find("poses");
   if (!section) return;
-  Mapping poses(*section, frames, reading.mistakes);
-  for (const std::string_view frame : frames)
-    poses.attempt(frame, [&] {
-      const auto value = poses.find(frame);
-      if (!value) return;
-      const Pose pose = read_pose(*value, reading.mistakes);
-      reading.claims.holds_frame(std::string(frame), scan.base_frame, pose, yaml.self().path(), *value);
-      scan.poses[std::string(frame)] = pose;
+  Mistakes mistakes;
+  const Mapping poses(*section, frames, &mistakes);
+  for (const auto& [frame, value] : poses.entries()) {
+    mistakes.attempt([&, &frame = frame, &value = value] {
+      const Pose pose = read_pose(value);
+      reading.claims.holds_frame(frame, scan.base_frame, pose, yaml.self().path(), value);
+      scan.poses[frame] = pose;
     });
+  }
+  mistakes.throw_if_any();
 }
 
 void claim_topics(Mapping& yaml, const Virtual& scan, Reading& reading) {
@@ -124,16 +123,6 @@ void refuse_without_visibility(const Mapping& yaml) {
   }
 }
 
-void check_ground(Mapping& yaml, const GroundSettings& ground) {
-  if (!yaml.has("ground") || yaml.where("ground").node().IsScalar()) return;
-  const Mapping section = yaml.inside("ground");
-  if (section.has("steepest") && ground.model != GroundModel::slope)
-    section.where("steepest")
-        .fail("is for a ground of model slope, and this is " +
-                  std::string(ground.model == GroundModel::plane ? "plane" : "none"),
-              "model: slope, or no such key");
-}
-
 /// What follows for the sources of a scan that knows free space.
 void prepare_sources(const std::vector<std::string>& sources, Reading& reading) {
   // A beam that met something too near to measure is not free.
@@ -150,23 +139,18 @@ double default_free_range(const SensorConfig& sensor) {
                                                                                     : 0;
 }
 
-/// The sensors behind cloud_topic; none: it is wrong.
+/// The sensors behind cloud_topic.
 std::vector<std::string> read_cloud_source(Mapping& yaml, Virtual& scan, Reading& reading) {
-  std::vector<std::string> sources;
-  yaml.attempt("cloud_topic", [&] {
-    std::string expected = "a sensor that gives clouds: " + names_of(reading.config, FrameKind::cloud);
-    const char* separator = "; or a merged cloud: ";
-    for (const MergedCloudConfig& merged : reading.config.merged_clouds)
-      expected += std::exchange(separator, ", ") + merged.name;
-    const Value named = yaml.require("cloud_topic", expected);
-    const NamedSource source = read_source(named, FrameKind::cloud, reading, expected);
-    if (source.sensor != nullptr)
-      reading.claims.uses(*source.sensor, FrameKind::cloud, yaml.self().path(), named);
-    scan.cloud_topic = source.name;
-    sources = reading.config.lidars_of(scan);
-  });
-  if (sources.empty()) reading.mistakes.mark_invalid(yaml.self().path());
-  return sources;
+  std::string expected = "a sensor that gives clouds: " + names_of(reading.config, FrameKind::cloud);
+  const char* separator = "; or a merged cloud: ";
+  for (const MergedCloudConfig& merged : reading.config.merged_clouds)
+    expected += std::exchange(separator, ", ") + merged.name;
+  const Value named = yaml.require("cloud_topic", expected);
+  const NamedSource source = read_source(named, FrameKind::cloud, reading, expected);
+  if (source.sensor != nullptr)
+    reading.claims.uses(*source.sensor, FrameKind::cloud, yaml.self().path(), named);
+  scan.cloud_topic = source.name;
+  return reading.config.lidars_of(scan);
 }
 
 /// What holds for a scan of these sensors unless the file says otherwise.
@@ -185,23 +169,25 @@ void set_defaults(const std::vector<std::string>& sources, const Config& config,
 }
 
 Virtual read_virtual(const std::string& name, const Value& entry, Reading& reading) {
-  Mapping yaml = mapping_of(entry, virtual_keys(), reading.mistakes);
+  Mistakes mistakes;
+  Mapping yaml = mapping_of(entry, virtual_keys(), mistakes);
   Virtual scan = default_virtual_scan();
   scan.name = name;
   scan.base_frame = reading.config.vehicle.base_frame;
-  const std::vector<std::string> sources = read_cloud_source(yaml, scan, reading);
+  std::vector<std::string> sources;
+  mistakes.attempt([&] { sources = read_cloud_source(yaml, scan, reading); });
   set_defaults(sources, reading.config, scan);
-  yaml.attempt("virtual_laser_scan", [&] { read_frames(yaml, scan); });
-  read_keys(yaml, virtual_keys(), scan);
-  yaml.attempt("also", [&] { read_also(yaml, scan.also); });
-  yaml.attempt_rule([&] { read_poses(yaml, scan, reading); });
-  yaml.attempt_rule([&] { claim_topics(yaml, scan, reading); });
-  check_output(yaml, scan.output, reading);
-  yaml.attempt_rule([&] {
-    if (!scan.has_visibility()) refuse_without_visibility(yaml);
-    check_ground(yaml, scan.ground);
-    if (scan.has_visibility()) prepare_sources(sources, reading);
-  });
+  const bool has_frames = mistakes.attempt([&] { read_frames(yaml, scan); });
+  read_keys(yaml, virtual_keys(), scan, mistakes);
+  mistakes.attempt([&] { read_also(yaml, scan.also); });
+  if (has_frames) mistakes.attempt([&] { read_poses(yaml, scan, reading); });
+  // The rules between keys need all of them.
+  mistakes.throw_if_any();
+  mistakes.attempt([&] { claim_topics(yaml, scan, reading); });
+  mistakes.attempt([&] { check_output(yaml, scan.output, reading); });
+  if (!scan.has_visibility()) mistakes.attempt([&] { refuse_without_visibility(yaml); });
+  mistakes.throw_if_any();
+  if (scan.has_visibility()) prepare_sources(sources, reading);
   return scan;
 }
 
@@ -235,10 +221,7 @@ const Keys<Virtual>& virtual_keys() {
 }
 
 void read_virtual_scans(Mapping& root, Reading& reading) {
-  root.attempt("virtual_scans", [&] {
-    if (const auto section = root.find("virtual_scans"))
-      read_entries(*section, reading.config.virtual_scans, reading, read_virtual);
-  });
+  read_entries(root.find("virtual_scans"), reading.config.virtual_scans, reading, read_virtual);
 }
 
 }  // namespace lidard

@@ -17,20 +17,11 @@
 #include "core/base/nearest.h"
 #include "core/base/number_text.h"
 #include "daemon/config/config.h"
-#include "daemon/config/removed_keys.h"
 
 namespace lidard {
 namespace {
 
 constexpr std::size_t longest_quote = 40;
-
-std::string printable(std::string text) {
-  for (char& c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (byte < 0x20 || byte == 0x7f) c = '?';
-  }
-  return text;
-}
 
 std::string shorten(const std::string& text) {
   return printable(text.substr(0, longest_quote)) + (text.size() > longest_quote ? "…" : "");
@@ -56,7 +47,7 @@ std::optional<bool> truth_of(std::string_view word) {
 }
 
 [[noreturn]] void fail_at(const Place& place, const std::string& what, const std::string& expected) {
-  throw PlacedError(place, what + "; expected " + expected);
+  throw ConfigError(place, what + "; expected " + expected);
 }
 
 Place place_of(const YAML::Mark& mark, const Place& otherwise) {
@@ -167,10 +158,27 @@ std::string comma_list(const std::vector<std::string_view>& words) {
   return list;
 }
 
+[[noreturn]] void fail_unknown(const std::string& key, const Value& entry,
+                               const std::vector<std::string_view>& known_keys) {
+  if (const std::string_view instead = instead_of(entry.path()); !instead.empty())
+    fail_at(entry.key_place(), entry.path() + " is a key of former versions", std::string(instead));
+  const std::string_view near = nearest_word(key, known_keys);
+  fail_at(entry.key_place(), "unknown key " + entry.path(),
+          near.empty() ? "one of " + comma_list(known_keys) : std::string(near));
+}
+
 // A configuration is a few kB, a calibration some 100 kB.
 constexpr std::size_t largest_file = 1U << 20U;  // bytes
 
 }  // namespace
+
+std::string printable(std::string text) {
+  for (char& c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte < 0x20 || byte == 0x7f) c = '?';
+  }
+  return text;
+}
 
 Value::Value(YAML::Node node, Place place, Place key_place, std::string path)
     : node_(std::move(node)),
@@ -261,51 +269,50 @@ std::vector<Value> Value::names(const std::string& expected) const {
   return values;
 }
 
-Mapping::Mapping(const Value& value, std::vector<std::string_view> known_keys, Mistakes& mistakes)
-    : self_(value), mistakes_(mistakes) {
-  const auto is_known = [&](const std::string& key) {
-    return known_keys.empty() || std::find(known_keys.begin(), known_keys.end(), key) != known_keys.end();
-  };
-  for (auto& [key, entry] : named_entries(value, &mistakes)) {
-    if (is_known(key)) {
-      keys_.push_back(key);
-      values_.emplace(key, std::move(entry));
-      continue;
-    }
-    mistakes.attempt(entry.key_place(), [&, &written = key, &unknown = entry] {
-      if (const std::string_view instead = instead_of(unknown.path()); !instead.empty())
-        fail_at(unknown.key_place(), unknown.path() + " is a key of former versions", std::string(instead));
-      const std::string_view near = nearest_word(written, known_keys);
-      fail_at(unknown.key_place(), "unknown key " + unknown.path(),
-              near.empty() ? "one of " + comma_list(known_keys) : std::string(near));
-    });
-    mistakes.mark_invalid(value.path());
+Mapping::Mapping(const Value& value, const std::vector<std::string_view>& known_keys, Mistakes* mistakes)
+    : self_(value) {
+  Mistakes own;
+  Mistakes& all = mistakes != nullptr ? *mistakes : own;
+  for (auto& one : named_entries(value, &all)) {
+    const auto& [key, entry] = one;
+    if (known_keys.empty() || std::find(known_keys.begin(), known_keys.end(), key) != known_keys.end())
+      entries_.push_back(std::move(one));
+    else
+      all.attempt([&, &key = key, &entry = entry] { fail_unknown(key, entry, known_keys); });
   }
+  is_complete_ = !all.any();
+  own.throw_if_any();
+}
+
+const Value* Mapping::entry(std::string_view key) const {
+  const auto found =
+      std::find_if(entries_.begin(), entries_.end(), [&](const auto& one) { return one.first == key; });
+  return found == entries_.end() ? nullptr : &found->second;
 }
 
 std::optional<Value> Mapping::find(std::string_view key) const {
-  const auto found = values_.find(key);
-  if (found == values_.end()) return std::nullopt;
-  if (mistakes_.is_invalid(found->second.path())) throw AlreadyNoted();
-  return found->second;
+  const Value* const value = entry(key);
+  return value == nullptr ? std::nullopt : std::optional<Value>(*value);
 }
 
 Value Mapping::require(std::string_view key, const std::string& expected) const {
-  const auto value = find(key);
-  if (!value && mistakes_.is_invalid(self_.path())) throw AlreadyNoted();
-  if (!value) self_.fail_at_key("has no " + std::string(key), expected);
+  const Value* const value = entry(key);
+  if (value == nullptr) fail_missing("has no " + std::string(key), expected);
   return *value;
 }
 
-const Value& Mapping::where(std::string_view key) const {
-  auto found = values_.find(key);
-  if (found == values_.end()) found = values_.find(std::string(key) + "_deg");
-  if (found == values_.end()) return self_;
-  if (mistakes_.is_invalid(found->second.path())) throw AlreadyNoted();
-  return found->second;
+void Mapping::fail_missing(const std::string& what, const std::string& expected) const {
+  if (!is_complete_) throw ConfigError(std::vector<ConfigError::Mistake>());
+  self_.fail_at_key(what, expected);
 }
 
-Mapping Mapping::inside(std::string_view key) const { return {find(key).value(), {}, mistakes_}; }
+const Value& Mapping::where(std::string_view key) const {
+  const Value* value = entry(key);
+  if (value == nullptr) value = entry(std::string(key) + "_deg");
+  return value == nullptr ? self_ : *value;
+}
+
+Mapping Mapping::inside(std::string_view key) const { return {find(key).value(), {}}; }
 
 void Mapping::in_rad(const std::string& key, const std::function<void(const Value&, double)>& read) const {
   const auto rad = find(key);
@@ -332,23 +339,22 @@ std::vector<std::pair<std::string, Value>> named_entries(const Value& value, Mis
   const std::string prefix = value.path().empty() ? "" : value.path() + ".";
   std::map<std::string, Place> seen;
   std::size_t merged = 0;
+  Mistakes own;
+  Mistakes& all = mistakes != nullptr ? *mistakes : own;
   for (const YAML::Node& map : with_merged(value, value.node(), merged)) {
     // Nearer keys override merged ones; a repeated key is a mistake only within one mapping.
     const std::map<std::string, Place> nearer = seen;
     for (const auto& entry : map) {
       if (is_merge(entry) || (entry.first.IsScalar() && nearer.count(entry.first.Scalar()) != 0)) continue;
       const Place key_place = place_of(entry.first.Mark(), value.key_place());
-      const auto check = [&] { check_key(entry.first, key_place, value, prefix, seen); };
-      if (mistakes == nullptr)
-        check();
-      else if (!mistakes->attempt(key_place, check))
-        continue;
+      if (!all.attempt([&] { check_key(entry.first, key_place, value, prefix, seen); })) continue;
       // The parser gives a missing value the place of the next token.
       const Place place = entry.second.IsNull() ? key_place : place_of(entry.second.Mark(), key_place);
       const std::string& key = entry.first.Scalar();
       entries.emplace_back(key, Value(entry.second, place, key_place, prefix + shorten(key)));
     }
   }
+  own.throw_if_any();
   return entries;
 }
 

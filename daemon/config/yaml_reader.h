@@ -5,19 +5,25 @@
 #include <yaml-cpp/yaml.h>
 
 #include <functional>
-#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
-#include "daemon/config/mistakes.h"
+#include "daemon/config/config_error.h"
 
 namespace lidard {
 
 /// A full turn, rounded up. A larger angle in rad is rejected as degrees written by mistake.
 constexpr double most_turn_rad = 6.284;
+
+/// The replacement of a key of former versions, by its path like merged_scans.m.fuse; empty: there was no
+/// such key.
+std::string_view instead_of(const std::string& path);
+
+/// Text from elsewhere on one line: control characters become question marks.
+std::string printable(std::string text);
 
 /// A YAML value with its place and path. Every reader throws ConfigError `file:line:column: what; expected
 /// …`.
@@ -64,19 +70,23 @@ class Value {
   std::string path_;
 };
 
-/// A YAML mapping with known keys. Unknown and repeated keys are mistakes. Reading an invalid key throws
-/// AlreadyNoted.
+/// A YAML mapping with known keys. Unknown and repeated keys are mistakes.
 class Mapping {
  public:
-  /// A value of null is an empty mapping. Without known keys any key is allowed.
-  Mapping(const Value& value, std::vector<std::string_view> known_keys, Mistakes& mistakes);
+  /// A value of null is an empty mapping. Without known keys any key is allowed. With `mistakes` only the
+  /// unknown and repeated keys are left out, and it keeps their mistakes.
+  Mapping(const Value& value, const std::vector<std::string_view>& known_keys, Mistakes* mistakes = nullptr);
 
   const Value& self() const { return self_; }
-  Mistakes& mistakes() const { return mistakes_; }
   /// The value of `key`; empty if it is missing.
   std::optional<Value> find(std::string_view key) const;
   /// The same; throws `… is missing; expected` if it is missing.
   Value require(std::string_view key, const std::string& expected) const;
+  /// Throws "place: path what; expected …" for a missing key; without a text if it may be one of the unknown
+  /// keys.
+  [[noreturn]] void fail_missing(const std::string& what, const std::string& expected) const;
+  /// False if there are unknown or repeated keys.
+  bool is_complete() const { return is_complete_; }
   /// The value of `key` or `key`_deg, or the mapping itself if both are missing; for messages.
   const Value& where(std::string_view key) const;
   /// True if `key` or `key`_deg is present.
@@ -87,32 +97,19 @@ class Mapping {
   void in_rad(const std::string& key, const std::function<void(const Value&, double)>& read) const;
   /// The mapping at `key`, with any keys.
   Mapping inside(std::string_view key) const;
-  /// The present keys, in the order of the file.
-  const std::vector<std::string>& keys() const { return keys_; }
-  /// Notes the mistake that `read` throws and marks `key` invalid.
-  template <class Read>
-  void attempt(std::string_view key, const Read& read) const {
-    mistakes_.attempt(self_.place(), [&] {
-      const Value& value = where(key);
-      if (!mistakes_.attempt(value.place(), read)) mistakes_.mark_invalid(value.path());
-    });
-  }
-  /// Notes the mistake in the combination of keys that `check` throws; does nothing while keys are missing or
-  /// unknown.
-  template <class Check>
-  void attempt_rule(const Check& check) const {
-    if (!mistakes_.is_invalid(self_.path())) mistakes_.attempt(self_.place(), check);
-  }
+  /// The present keys with their values, in the order of the file.
+  const std::vector<std::pair<std::string, Value>>& entries() const { return entries_; }
 
  private:
+  const Value* entry(std::string_view key) const;
+
   Value self_;
-  Mistakes& mistakes_;
-  std::map<std::string, Value, std::less<>> values_;
-  std::vector<std::string> keys_;
+  std::vector<std::pair<std::string, Value>> entries_;
+  bool is_complete_ = true;
 };
 
 /// The entries of a mapping with names chosen by the user, in the order of the file. Keys that are not plain
-/// text or repeated are mistakes; with `mistakes` only these entries are skipped.
+/// text or repeated are mistakes; with `mistakes` only these entries are left out.
 std::vector<std::pair<std::string, Value>> named_entries(const Value& value, Mistakes* mistakes = nullptr);
 
 /// Parses one YAML document; throws ConfigError for syntax errors and more than one document.

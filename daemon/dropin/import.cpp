@@ -15,11 +15,6 @@
 namespace lidard {
 namespace {
 
-KeyValue* find_key(KeyMap& map, std::string_view key) {
-  const auto found = std::find_if(map.begin(), map.end(), [&](const auto& one) { return one.first == key; });
-  return found == map.end() ? nullptr : &found->second;
-}
-
 void erase_key(KeyMap& map, std::string_view key) {
   map.erase(std::remove_if(map.begin(), map.end(), [&](const auto& one) { return one.first == key; }),
             map.end());

@@ -2,11 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/dropin/launch_file.h"
 
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <array>
+#include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -28,30 +25,23 @@ std::filesystem::path script() {
   throw std::runtime_error("read_launch.py is neither beside lidard nor in ../lib/lidard; reinstall lidard");
 }
 
+/// A word for the shell.
+std::string quoted(std::string word) {
+  for (std::size_t at = word.find('\''); at != std::string::npos; at = word.find('\'', at + 4))
+    word.replace(at, 1, "'\\''");
+  return "'" + word + "'";
+}
+
 /// The program's output, and true if it succeeded.
-std::pair<std::string, bool> output_of(std::vector<std::string> words) {
-  std::array<int, 2> ends{};
-  if (pipe(ends.data()) != 0) throw std::runtime_error("no pipe for " + words[0]);
-  std::vector<char*> argv;
-  for (std::string& word : words) argv.push_back(word.data());
-  argv.push_back(nullptr);
-  posix_spawn_file_actions_t files;
-  posix_spawn_file_actions_init(&files);
-  posix_spawn_file_actions_adddup2(&files, ends[1], STDOUT_FILENO);
-  posix_spawn_file_actions_addclose(&files, ends[0]);
-  posix_spawn_file_actions_addclose(&files, ends[1]);
-  pid_t child = 0;
-  const int trouble = posix_spawn(&child, argv[0], &files, nullptr, argv.data(), environ);
-  posix_spawn_file_actions_destroy(&files);
-  close(ends[1]);
+std::pair<std::string, bool> output_of(const std::vector<std::string>& words) {
+  std::string command = "exec";
+  for (const std::string& word : words) command += " " + quoted(word);
+  std::FILE* const pipe = ::popen(command.c_str(), "r");
+  if (pipe == nullptr) throw std::runtime_error("no pipe for " + words[0]);
   std::string text;
   std::array<char, 4096> part{};
-  for (ssize_t n = 0; trouble == 0 && (n = read(ends[0], part.data(), part.size())) > 0;)
-    text.append(part.data(), static_cast<std::size_t>(n));
-  close(ends[0]);
-  int status = 1;
-  if (trouble == 0) waitpid(child, &status, 0);
-  return {std::move(text), status == 0};
+  while (const std::size_t n = std::fread(part.data(), 1, part.size(), pipe)) text.append(part.data(), n);
+  return {std::move(text), ::pclose(pipe) == 0};
 }
 
 LaunchNode node_of(const nlohmann::json& json) {

@@ -29,8 +29,8 @@ struct LaunchFile {
   std::vector<std::string> remarks;  ///< about ignored parts
 };
 
-/// Reads the file, with roslaunch if it is installed; `arguments` are NAME:=VALUE. Starts no node. Throws
-/// ConfigError for an invalid file and std::runtime_error if Python is missing.
+/// Reads a launch file with roslaunch; `arguments` are NAME:=VALUE. Starts no node. Throws ConfigError for an
+/// invalid file and std::runtime_error if roslaunch or Python is missing.
 LaunchFile read_launch(const std::string& file, const std::vector<std::string>& arguments);
 
 }  // namespace lidard

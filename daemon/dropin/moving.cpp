@@ -157,6 +157,11 @@ std::vector<std::string> split_words(std::string_view list) {
   return words;
 }
 
+KeyValue* find_key(KeyMap& map, std::string_view key) {
+  const auto found = std::find_if(map.begin(), map.end(), [&](const auto& one) { return one.first == key; });
+  return found == map.end() ? nullptr : &found->second;
+}
+
 std::string entry_name(const std::string& topic) {
   std::string name;
   for (const char c : topic) {
@@ -249,10 +254,8 @@ void ParameterReader::move(std::string_view package, KeyMap& entry, DropinSetup&
     if (row.key.empty() || row.convert == nullptr) continue;
     for (const std::string& name : given_names(row.names)) {
       const auto value = find(name);
-      const bool is_new =
-          std::none_of(entry.begin(), entry.end(), [&](const auto& one) { return one.first == row.key; });
-      if (KeyValue key = value ? row.convert(*value) : KeyValue(); key.is_set() && is_new)
-        entry.emplace_back(row.key, std::move(key));
+      KeyValue key = value ? row.convert(*value) : KeyValue();
+      if (key.is_set() && find_key(entry, row.key) == nullptr) entry.emplace_back(row.key, std::move(key));
     }
   }
 }

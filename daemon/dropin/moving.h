@@ -91,6 +91,9 @@ class ParameterReader {
   std::vector<std::string> known_;
 };
 
+/// The value of a key; nullptr: it is not there.
+KeyValue* find_key(KeyMap& map, std::string_view key);
+
 /// Converts a topic to the name of an entry in a configuration.
 std::string entry_name(const std::string& topic);
 

@@ -117,10 +117,8 @@ DropinSetup sick_scan_setup(const NodeParameters& parameters) {
   const std::string cloud = reader.text("cloud_topic", has_usual_cloud ? "cloud" : "");
   if (!is_planar) sensor.emplace_back("points_topic", cloud);
   reader.move("sick_scan_xd", sensor, setup);
-  const bool listens =
-      std::any_of(sensor.begin(), sensor.end(), [](const auto& one) { return one.first == "listen_only"; });
   // sick_scan_xd writes the settings of the device.
-  if (!listens) sensor.emplace_back("allow_write", true);
+  if (find_key(sensor, "listen_only") == nullptr) sensor.emplace_back("allow_write", true);
   pair_login(sensor, setup);
   drop_rejected(model, sensor, setup);
   setup.keys = {{"sensors", KeyMap{{"scanner", std::move(sensor)}}}};

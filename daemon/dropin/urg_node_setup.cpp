@@ -19,18 +19,12 @@ DropinSetup urg_node_setup(const NodeParameters& parameters) {
     if (const auto value = reader.find(name)) sensor.emplace_back(name, copied(*value));
   }
   reader.move("urg_node", sensor, setup);
-  const auto has = [&](std::string_view key) {
-    for (const auto& one : sensor) {
-      if (one.first == key) return true;
-    }
-    return false;
-  };
-  if (!has("ip_address")) {
+  if (find_key(sensor, "ip_address") == nullptr) {
     setup.warnings.emplace_back(
         "no ip_address: urg_node read a serial port, which lidard does not; 192.168.0.10 stands in for it");
     sensor.emplace_back("ip_address", "192.168.0.10");
   }
-  if (!has("calibrate_time")) sensor.emplace_back("calibrate_time", false);
+  if (find_key(sensor, "calibrate_time") == nullptr) sensor.emplace_back("calibrate_time", false);
   sensor.emplace_back("scan_topic", "scan");
   setup.keys = {{"sensors", KeyMap{{"urg_node", std::move(sensor)}}}};
   reader.remark_on_rest(setup.warnings);

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -37,6 +38,10 @@ class FrameWriter {
   /// Completes the file; throws std::runtime_error if it could not be written completely.
   virtual void finish() = 0;
 };
+
+/// The path of a file of many, whose number stands where printf() would put it: DIR/%06d.pcd. Nothing if the
+/// path has no such place.
+std::optional<std::string> numbered_path(const std::string& path, std::uint64_t number);
 
 /// `path` "-" is standard output. Throws std::runtime_error naming the path if it cannot be opened.
 std::unique_ptr<FrameWriter> make_csv_writer(const std::string& path, StampColumn stamps);

@@ -7,12 +7,12 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <regex>
 #include <stdexcept>
 
 #include "core/frames/scan_points.h"
 #include "daemon/config/module.h"
 #include "daemon/files/frame_writer.h"
-#include "daemon/files/numbered_path.h"
 #include "daemon/files/pcl_module.h"
 #include "daemon/files/text_file.h"
 
@@ -121,8 +121,8 @@ class OnePcd final : public FrameWriter {
 /// Each frame in a file of its own.
 class NumberedPcd final : public FrameWriter {
  public:
-  explicit NumberedPcd(NumberedPath path) : path_(std::move(path)) {
-    const auto folder = std::filesystem::path(path_.of(0)).parent_path();
+  explicit NumberedPcd(std::string path) : path_(std::move(path)) {
+    const auto folder = std::filesystem::path(path_).parent_path();
     if (!folder.empty() && !std::filesystem::is_directory(folder))
       throw std::runtime_error(folder.string() + ": there is no such folder; make it first");
   }
@@ -136,17 +136,25 @@ class NumberedPcd final : public FrameWriter {
     points_.clear();
     append(frame, points_);
     // A frame without returns has no file: PCL writes none without points.
-    if (!points_.empty()) save(path_.of(number), points_);
+    if (!points_.empty()) save(numbered_path(path_, number).value(), points_);
   }
 
-  NumberedPath path_;
+  const std::string path_;
   std::vector<CloudPoint> points_;
 };
 
 }  // namespace
 
+std::optional<std::string> numbered_path(const std::string& path, std::uint64_t number) {
+  static const std::regex place("%(0?[1-9]?)d");
+  std::smatch found;
+  if (!std::regex_search(path, found, place)) return std::nullopt;
+  return found.prefix().str() + fmt::format(fmt::runtime("{:" + found[1].str() + "d}"), number) +
+         found.suffix().str();
+}
+
 std::unique_ptr<FrameWriter> make_pcd_writer(const std::string& path) {
-  if (auto numbered = NumberedPath::parse(path)) return std::make_unique<NumberedPcd>(*numbered);
+  if (numbered_path(path, 0)) return std::make_unique<NumberedPcd>(path);
   return std::make_unique<OnePcd>(path);
 }
 

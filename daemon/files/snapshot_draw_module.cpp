@@ -2,13 +2,75 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What draws pictures is a module, since cairo brings 20 libraries that only `lidard snapshot` needs.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <sstream>
 
-#include "daemon/files/snapshot_style.h"
+#include "core/base/number_text.h"
+#include "daemon/files/snapshot_chart.h"
+#include "daemon/files/snapshot_view.h"
 
 namespace lidard {
 namespace {
+
+// Okabe and Ito's colours, which people with any colour vision can distinguish; roles differ in shape too.
+constexpr std::array<Color, 6> input_colors = {{{0.00, 0.45, 0.70},
+                                                {0.84, 0.37, 0.00},
+                                                {0.80, 0.47, 0.65},
+                                                {0.34, 0.71, 0.91},
+                                                {0.55, 0.40, 0.10},
+                                                {0.35, 0.25, 0.60}}};
+constexpr std::array<Color, 3> merged_colors = {{{0, 0, 0}, {0.90, 0.62, 0.00}, {0.50, 0.50, 0.50}}};
+constexpr std::array<Color, 4> virtual_colors = {
+    {{0.84, 0.00, 0.45}, {0.45, 0.20, 0.55}, {0.75, 0.35, 0.00}, {0.10, 0.35, 0.35}}};
+constexpr Color cloud_color{0.35, 0.35, 0.35};
+constexpr Color free_color{0.86, 0.95, 0.89};
+constexpr Color unobserved_color{0.91, 0.89, 0.87};
+constexpr Color ink{0.13, 0.13, 0.13};
+constexpr Color pale{0.45, 0.45, 0.45};
+
+Color color_of(SnapshotView::Role role, std::size_t number) {
+  switch (role) {
+    case SnapshotView::Role::input:
+      return input_colors[number % input_colors.size()];
+    case SnapshotView::Role::merged:
+      return merged_colors[number % merged_colors.size()];
+    case SnapshotView::Role::virtual_scan:
+      return virtual_colors[number % virtual_colors.size()];
+    case SnapshotView::Role::cloud:
+      return cloud_color;
+  }
+  return ink;
+}
+
+/// The colour of a value between the ends of a scale, 0 ... 1: the map viridis of matplotlib (CC0), whose
+/// steps appear equal and differ in brightness for people with any colour vision; without its end, too bright
+/// on white.
+Color scale_color(double share) {
+  constexpr std::array<Color, 8> steps = {{{0.267, 0.005, 0.329},
+                                           {0.278, 0.173, 0.478},
+                                           {0.231, 0.318, 0.545},
+                                           {0.173, 0.443, 0.557},
+                                           {0.129, 0.565, 0.553},
+                                           {0.153, 0.678, 0.506},
+                                           {0.361, 0.784, 0.388},
+                                           {0.667, 0.863, 0.196}}};
+  const double at = std::clamp(share, 0.0, 1.0) * (steps.size() - 1);
+  const auto low = std::min(static_cast<std::size_t>(at), steps.size() - 2);
+  const double part = at - static_cast<double>(low);
+  const auto mix = [&](double Color::*c) { return steps[low].*c * (1 - part) + steps[low + 1].*c * part; };
+  return {mix(&Color::red), mix(&Color::green), mix(&Color::blue)};
+}
+
+/// 1, 2 or 5 times a power of ten, such that about `parts` of them make `length`.
+double round_step(double length, double parts) {
+  const double rough = length / parts;
+  const double power = std::pow(10, std::floor(std::log10(rough)));
+  const double lead = rough / power;
+  return power * (lead < 1.5 ? 1 : lead < 3.5 ? 2 : lead < 7.5 ? 5 : 10);
+}
+
+std::string meters(double length) { return printed("%.6g m", length); }
 
 using Role = SnapshotView::Role;
 using Align = Chart::Align;
@@ -22,7 +84,6 @@ constexpr double legend_width = 264;
 constexpr std::size_t legend_columns = 40;  // letters of a line, beside the symbols
 constexpr double name_height = 19, line_height = 17, row_gap = 9;
 constexpr double margin = 20;
-constexpr double side_caption = 34;
 
 /// One row of the legend.
 struct LegendRow {
@@ -51,13 +112,14 @@ struct LegendRow {
 std::vector<LegendRow> legend_of(const SnapshotView& view) {
   std::vector<LegendRow> rows;
   for (const auto& layer : view.layers) rows.push_back({layer.name, layer.note, &layer, {}});
-  if (!view.lidars.empty()) {
+  const auto is_cloud = [](const SnapshotView::Layer& layer) { return layer.role == Role::cloud; };
+  if (std::any_of(view.layers.begin(), view.layers.end(), is_cloud)) {
     const auto number = [](double value) { return printed("%.3g", std::abs(value) < 5e-4 ? 0.0 : value); };
-    rows.push_back(
-        {"colours",
-         number(view.framing.lowest) + " to " + number(view.framing.highest) + ": " + view.color_words,
-         nullptr,
-         {}});
+    rows.push_back({"colours",
+                    number(view.framing.lowest) + " to " + number(view.framing.highest) + ": height above " +
+                        view.base_frame + ", m",
+                    nullptr,
+                    {}});
     for (int step = 0; step < 14; ++step) rows.back().colors.push_back(scale_color(step / 13.0));
   }
   if (!view.free_note.empty()) {
@@ -68,14 +130,7 @@ std::vector<LegendRow> legend_of(const SnapshotView& view) {
                     nullptr,
                     {}});
   }
-  const bool has_fields = std::any_of(view.sensors.begin(), view.sensors.end(), [](const auto& sensor) {
-    return sensor.all_round || !sensor.field.empty();
-  });
-  rows.push_back({"",
-                  "Ahead is up. Rings: distance from " + view.base_frame + "." +
-                      (has_fields ? " Outline around a sensor: its field of view, not to scale." : ""),
-                  nullptr,
-                  {}});
+  rows.push_back({"", "Ahead is up. Rings: distance from " + view.base_frame + ".", nullptr, {}});
   for (const auto* sentences : {&view.notes, &view.missing}) {
     for (const auto& sentence : *sentences) rows.push_back({"", sentence, nullptr, {}, {0.70, 0.20, 0.00}});
   }
@@ -85,40 +140,22 @@ std::vector<LegendRow> legend_of(const SnapshotView& view) {
 /// Places of the parts of a picture, in pixels; the field has the shape of the area shown.
 struct Layout {
   double width, height;  // of the field
-  double side;           // height of the side view; 0: there is none
   bool has_legend;
-  explicit Layout(const SnapshotView& view) : has_legend(view.has_legend) {
+  Layout(const SnapshotView& view, bool with_legend) : has_legend(with_legend) {
     const double aspect = std::clamp(view.framing.half.y() / view.framing.half.x(), 0.65, 1.7);
     width = std::round(std::sqrt(field_area * aspect));
     if (view.framing.width > 0) width = view.framing.width - (page_width() - width);
     height = std::round(width / aspect);
-    side = std::round(side_height(view, width));
   }
   double legend_left() const { return field_left + width + 22; }
   double page_width() const { return has_legend ? legend_left() + legend_width + 14 : field_left + width; }
-  double side_top() const { return field_top + height + side_caption; }
-  double bottom() const { return side > 0 ? side_top() + side : field_top + height; }
-};
-
-/// Where all of one view is.
-struct Page {
-  explicit Page(const SnapshotView& view) : layout(view), legend(legend_of(view)) {}
-  Layout layout;
-  std::vector<LegendRow> legend;
-
-  /// The views or the legend, whichever is longer.
-  double height() const {
-    double rows = field_top;
-    for (const LegendRow& row : legend) rows += row.height();
-    return std::ceil(std::max(layout.bottom(), layout.has_legend ? rows : 0) + margin);
-  }
 };
 
 /// Draws one view.
 class Painter {
  public:
-  Painter(const SnapshotView& view, const Page& page, Chart& chart)
-      : view_(view), layout_(page.layout), legend_(page.legend), chart_(chart) {
+  Painter(const SnapshotView& view, const Layout& layout, const std::vector<LegendRow>& legend, Chart& chart)
+      : view_(view), layout_(layout), legend_(legend), chart_(chart) {
     chart_.set_field({field_left, field_top}, {layout_.width, layout_.height}, view.framing.center,
                      view.framing.half);
   }
@@ -137,7 +174,7 @@ class Painter {
     all(Role::input);
     all(Role::merged);
     all(Role::virtual_scan);
-    for (std::size_t i = 0; i < view_.sensors.size(); ++i) sensor(view_.sensors[i], i);
+    for (const auto& one : view_.sensors) sensor(one);
     for (std::size_t i = 0; i < view_.sensors.size(); ++i) sensor_name(view_.sensors[i], i);
     ring_labels();
     chart_.end_clip();
@@ -145,7 +182,6 @@ class Painter {
     chart_.stroke({0.5, 0.5, 0.5}, 1);
     heading();
     if (layout_.has_legend) legend();
-    if (layout_.side > 0) draw_side(chart_, view_, {field_left, layout_.side_top()}, layout_.width);
   }
 
  private:
@@ -201,8 +237,8 @@ class Painter {
   void clouds() {
     std::vector<Chart::Dot> dots;
     for (const auto& layer : view_.layers) {
-      for (std::size_t i = 0; i < layer.values.size(); ++i)
-        dots.push_back({chart_.to_page(layer.points[i]), scale_color(share(layer.values[i]))});
+      for (std::size_t i = 0; i < layer.heights.size(); ++i)
+        dots.push_back({chart_.to_page(layer.points[i]), scale_color(share(layer.heights[i]))});
     }
     // Few returns are drawn one by one; many as shades.
     chart_.dots(dots, dots.size() < 60'000 ? 2 : 1, dots.size() < 200'000 ? 1 : 0.6);
@@ -254,30 +290,16 @@ class Painter {
     chart_.circle(o, 2.5);
     chart_.fill(ink);
   }
-  /// Of the outline of its field of view; radii differ, to distinguish sensors in one place.
-  static double radius_of(std::size_t index) { return 26 + 7 * static_cast<double>(index % 4); }
-  void sensor(const SnapshotView::Sensor& sensor, std::size_t index) {
-    const Color color = color_of(sensor.role, sensor.number);
-    const Vector2d at = chart_.to_page(sensor.at);
-    std::vector<Vector2d> outline;
-    if (!sensor.all_round) outline.push_back(at);
-    for (const Vector2d& direction : sensor.field)
-      outline.emplace_back(at + radius_of(index) * Vector2d(-direction.y(), -direction.x()));
-    chart_.path(outline);
-    chart_.close();
-    chart_.stroke(color, 1.4);
-    chart_.circle(at, 4);
-    chart_.fill(color);
+  void sensor(const SnapshotView::Sensor& sensor) {
+    chart_.circle(chart_.to_page(sensor.at), 4);
+    chart_.fill(color_of(sensor.role, sensor.number));
   }
   void sensor_name(const SnapshotView::Sensor& sensor, std::size_t index) {
     const Color color = color_of(sensor.role, sensor.number);
     const Vector2d at = chart_.to_page(sensor.at);
-    const double radius = radius_of(index);
-    if (sensor.all_round)
-      return chart_.label(at - Vector2d(0, radius + 5), sensor.name, 13, color, Align::middle);
     // Names stand beside the vehicle, on the sensor's side.
     const bool left = sensor.at.y() > 0.05 || (std::abs(sensor.at.y()) <= 0.05 && index % 2 == 1);
-    const Vector2d place = at + Vector2d(left ? -radius - 6 : radius + 6, sensor.at.x() < -0.5 ? 14 : -6);
+    const Vector2d place = at + Vector2d(left ? -10 : 10, sensor.at.x() < -0.5 ? 14 : -6);
     chart_.label(place, sensor.name, 13, color, left ? Align::right : Align::left);
   }
   void heading() {
@@ -328,21 +350,25 @@ class Painter {
 };
 
 std::string drawn(const std::vector<SnapshotView>& views, PictureFormat format) {
-  std::vector<Page> pages;
-  double width = 0, height = 0;
-  for (const SnapshotView& view : views) {
-    pages.emplace_back(view);
-    width += pages.back().layout.page_width(), height = std::max(height, pages.back().height());
-  }
-  Chart chart(format, width, height);
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    Painter(views[i], pages[i], chart).paint();
-    chart.shift(pages[i].layout.page_width());
-  }
-  std::string description = views.back().subtitle;
-  for (const LegendRow& row : pages.back().legend)
+  const SnapshotView& last = views.back();
+  const std::vector<LegendRow> legend = legend_of(last);
+  double width = 0, height = field_top;
+  std::string description = last.subtitle;
+  for (const LegendRow& row : legend) {
+    height += row.height();
     description += "\n" + row.name + (row.name.empty() ? "" : ": ") + row.note;
-  return chart.bytes(views.back().title, description);
+  }
+  std::vector<Layout> layouts;
+  for (const SnapshotView& view : views) {
+    const Layout& layout = layouts.emplace_back(view, &view == &last);
+    width += layout.page_width(), height = std::max(height, field_top + layout.height);
+  }
+  Chart chart(format, width, std::ceil(height + margin));
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    Painter(views[i], layouts[i], legend, chart).paint();
+    chart.shift(layouts[i].page_width());
+  }
+  return chart.bytes(last.title, description);
 }
 
 }  // namespace

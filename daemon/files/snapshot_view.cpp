@@ -42,16 +42,12 @@ Eigen::Vector2f from_above(const Pose& pose, double angle, double range) {
 /// Builds a view layer by layer.
 class Gatherer {
  public:
-  Gatherer(const Config& config, const FrameTree& poses, const FrameKeeper& frames, std::string areas,
-           CloudColor color)
-      : config_(config), poses_(poses), frames_(frames), areas_(std::move(areas)), color_(color) {}
+  Gatherer(const Config& config, const FrameTree& poses, const FrameKeeper& frames, std::string areas)
+      : config_(config), poses_(poses), frames_(frames), areas_(std::move(areas)) {}
 
   SnapshotView run() {
     view_.base_frame = config_.vehicle.base_frame;
     view_.footprint = config_.vehicle.footprint;
-    view_.color_words = color_ == CloudColor::height ? "height above " + view_.base_frame + ", m"
-                        : color_ == CloudColor::ring ? "ring, counted from below"
-                                                     : "intensity, as the device counts it";
     for (const SensorConfig& sensor : config_.sensors) add_sensor(sensor);
     for (const MergedScanConfig& merged : config_.merged_scans) add_merged(merged);
     for (const MergedCloudConfig& merged : config_.merged_clouds)
@@ -68,7 +64,7 @@ class Gatherer {
 
  private:
   SnapshotView::Layer& add_layer(Role role, const std::string& name, const std::string& note) {
-    return view_.layers.emplace_back(SnapshotView::Layer{role, numbers_[role]++, name, note, {}, {}, {}, {}});
+    return view_.layers.emplace_back(SnapshotView::Layer{role, numbers_[role]++, name, note, {}, {}, {}});
   }
   void add_sensor(const SensorConfig& sensor) {
     if (sensor.model == nullptr) {
@@ -82,7 +78,7 @@ class Gatherer {
     const std::size_t number = numbers_[Role::input];
     if (const PlanarScan* scan =
             add_scan(Role::input, topic, sensor.frame_id, std::string(sensor.model->product))) {
-      add_field(sensor, scan, number);
+      add_mark(sensor, Role::input, number);
       if (first_input_ == nullptr) first_input_ = scan, first_input_topic_ = topic;
     }
   }
@@ -94,10 +90,8 @@ class Gatherer {
       return;
     }
     // The message may be in another frame than the lidar.
-    Pose pose, lidar;
+    Pose pose;
     if (!place(cloud->frame_id, cloud->stamp, pose)) return;
-    if (sensor != nullptr && place(sensor->frame_id, cloud->stamp, lidar))
-      view_.lidars.emplace_back(lidar.translation().x(), lidar.translation().z());
     auto& layer = add_layer(Role::cloud, topic,
                             what + ", " + std::to_string(cloud->size()) + " points" + age(cloud->stamp));
     const Eigen::Isometry3f to_base = pose.cast<float>();
@@ -108,37 +102,13 @@ class Gatherer {
       const Eigen::Vector3f at = to_base * in_message;
       layer.points.emplace_back(at.head<2>());
       layer.heights.push_back(at.z());
-      layer.values.push_back(color_ == CloudColor::height ? at.z()
-                             : color_ == CloudColor::ring ? static_cast<float>(p->ring)
-                                                          : p->intensity);
     }
-    if (sensor != nullptr) add_field(*sensor, nullptr, layer.number);
+    if (sensor != nullptr) add_mark(*sensor, Role::cloud, layer.number);
   }
-  void add_field(const SensorConfig& sensor, const PlanarScan* scan, std::size_t number) {
+  void add_mark(const SensorConfig& sensor, Role role, std::size_t number) {
     Pose pose;
     if (!place(sensor.frame_id, frames_.newest(), pose)) return;
-    SnapshotView::Sensor drawn;
-    drawn.name = sensor.name;
-    drawn.at = pose.translation().head<2>();
-    drawn.role = scan == nullptr ? Role::cloud : Role::input;
-    drawn.number = number;
-    double first = 0;
-    double last = two_pi;
-    if (scan != nullptr) {
-      first = static_cast<double>(scan->angle_min);
-      last = static_cast<double>(scan->angle_max);
-    } else if (sensor.driver.view_width < two_pi) {
-      first = sensor.driver.view_direction - sensor.driver.view_width / 2;
-      last = first + sensor.driver.view_width;
-    }
-    drawn.all_round = std::abs(last - first) > two_pi - 0.02;
-    constexpr int steps = 48;
-    for (int i = 0; i <= steps; ++i) {
-      const double angle = first + (last - first) * i / steps;
-      const Eigen::Vector3d beam = pose.linear() * Eigen::Vector3d(std::cos(angle), std::sin(angle), 0);
-      drawn.field.emplace_back(beam.head<2>().normalized());
-    }
-    view_.sensors.push_back(std::move(drawn));
+    view_.sensors.push_back({sensor.name, pose.translation().head<2>(), role, number});
   }
   void add_merged(const MergedScanConfig& merged) {
     const auto add = [&](const std::string& topic, Profile profile) {
@@ -150,7 +120,6 @@ class Gatherer {
     for (const AlsoScanConfig& also : merged.also) add(also.topic, also.profile);
   }
   void add_virtual(const VirtualScanConfig& group) {
-    if (group.ground.model == GroundModel::plane) view_.ground = group.ground.z;
     for (const std::string& frame : group.virtual_laser_scan) {
       const std::string& topic = group.output_laser_topic.empty() ? frame : group.output_laser_topic;
       const PlanarScan* scan = add_scan(Role::virtual_scan, topic, frame,
@@ -173,7 +142,6 @@ class Gatherer {
     auto& layer =
         add_layer(role, topic, what + ", " + std::to_string(scan->beams) + " beams" + age(scan->stamp));
     if (role != Role::virtual_scan) scans_stamp_ = std::max(scans_stamp_, scan->stamp);
-    if (role != Role::merged) add_plane(layer, role == Role::virtual_scan ? frame : topic, pose);
     std::size_t last_hit = scan->beams;
     for (std::size_t i = 0; i < scan->beams; ++i) {
       if (scan->statuses[i] != BeamStatus::hit) continue;
@@ -188,17 +156,6 @@ class Gatherer {
       last_hit = i;
     }
     return scan;
-  }
-  void add_plane(const SnapshotView::Layer& layer, const std::string& name, const Pose& pose) {
-    // The intersection with the plane of the side view, y = 0.
-    const Eigen::Vector3d normal = pose.linear().col(2);
-    const Eigen::Vector2d along(normal.z(), -normal.x());
-    if (along.norm() < 1e-6) return;
-    view_.planes.push_back({layer.role,
-                            layer.number,
-                            name,
-                            {pose.translation().x(), pose.translation().z()},
-                            along.normalized()});
   }
   /// Prefers scans with only proven evidence.
   void choose_areas(const std::string& topic, const PlanarScan& scan, Profile profile) {
@@ -258,7 +215,6 @@ class Gatherer {
   const FrameTree& poses_;
   const FrameKeeper& frames_;
   std::string areas_;
-  CloudColor color_;
   bool areas_came_ = false;
   Stamp scans_stamp_{};  // of the newest scan that is not virtual
   const PlanarScan* shaded_ = nullptr;
@@ -268,16 +224,6 @@ class Gatherer {
   std::map<Role, std::size_t> numbers_;
   SnapshotView view_;
 };
-
-/// The range of most values.
-std::pair<double, double> range_of(std::vector<float>& values, double left_out) {
-  const auto at = [&](double share) {
-    const auto n = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-    std::nth_element(values.begin(), values.begin() + n, values.end());
-    return static_cast<double>(values[static_cast<std::size_t>(n)]);
-  };
-  return {at(left_out), at(1 - left_out)};
-}
 
 /// The narrowest range that holds a share of the values.
 std::pair<double, double> narrowest(std::vector<float>& values, double share) {
@@ -290,67 +236,40 @@ std::pair<double, double> narrowest(std::vector<float>& values, double share) {
   return {values[best], values[best + held - 1]};
 }
 
-/// The extent that a framing must show.
-struct Extent {
-  std::vector<float> x{0}, y{0};
-  std::vector<float> heights, values;  // of clouds, inside what is shown
-
-  void add(const SnapshotView::Layer& layer) {
-    for (const auto& p : layer.points) x.push_back(p.x()), y.push_back(p.y());
-  }
-  void add_inside(const SnapshotView::Layer& layer, const SnapshotView::Framing& shown) {
-    for (std::size_t i = 0; i < layer.heights.size(); ++i) {
-      const Eigen::Vector2d from_center = layer.points[i].cast<double>() - shown.center;
-      if ((from_center.cwiseAbs().array() > shown.half.array()).any()) continue;
-      values.push_back(layer.values[i]);
-      if (std::abs(static_cast<double>(layer.points[i].y())) < SnapshotView::side_strip)
-        heights.push_back(layer.heights[i]);
-    }
-  }
-};
-
-/// Heights for the side view: those of the returns, the sensors and the virtual planes.
-void fit_heights(const SnapshotView& view, std::vector<float>& heights, SnapshotView::Framing& out) {
-  if (view.lidars.empty()) return;
-  double low = 0, high = 0;
-  if (!heights.empty()) std::tie(low, high) = range_of(heights, 0.01);
-  const auto include = [&](double z) { low = std::min(low, z), high = std::max(high, z); };
-  for (const auto& plane : view.planes) include(plane.at.y());
-  for (const auto& lidar : view.lidars) include(lidar.y());
-  if (view.ground) include(*view.ground);
-  const double margin = 0.3 + 0.05 * (high - low);
-  out.low = low - margin;
-  out.high = high + margin;
-}
-
 }  // namespace
 
 SnapshotView make_view(const Config& config, const FrameTree& poses, const FrameKeeper& frames,
-                       const std::string& areas, CloudColor color) {
-  return Gatherer(config, poses, frames, areas, color).run();
+                       const std::string& areas) {
+  return Gatherer(config, poses, frames, areas).run();
 }
 
 SnapshotView::Framing fit_to_points(const SnapshotView& view) {
-  Extent extent;
   const bool has_scanners = std::any_of(view.layers.begin(), view.layers.end(), [](const auto& layer) {
     return !layer.points.empty() && (layer.role == Role::input || layer.role == Role::merged);
   });
-  // A roof lidar sees far beyond the scanners.
-  for (const auto& layer : view.layers)
-    if (layer.role != Role::cloud || !has_scanners) extent.add(layer);
+  std::vector<float> x{0}, y{0}, heights;
+  for (const auto& layer : view.layers) {
+    // A roof lidar sees far beyond the scanners.
+    if (layer.role == Role::cloud && has_scanners) continue;
+    for (const auto& p : layer.points) x.push_back(p.x()), y.push_back(p.y());
+  }
   // Of each axis 2.5 % are left out, so of both together at most 5 %.
-  auto [back, front] = narrowest(extent.x, 0.975);
-  auto [right, left] = narrowest(extent.y, 0.975);
+  auto [back, front] = narrowest(x, 0.975);
+  auto [right, left] = narrowest(y, 0.975);
   // The vehicle itself is always in the picture.
   back = std::min(back, -1.0), front = std::max(front, 1.0);
   right = std::min(right, -1.0), left = std::max(left, 1.0);
   SnapshotView::Framing out;
   out.center = {(back + front) / 2, (right + left) / 2};
   out.half = {std::max(2.0, 0.53 * (front - back)), std::max(2.0, 0.53 * (left - right))};
-  for (const auto& layer : view.layers) extent.add_inside(layer, out);
-  if (!extent.values.empty()) std::tie(out.lowest, out.highest) = range_of(extent.values, 0.02);
+  for (const auto& layer : view.layers) {
+    for (std::size_t i = 0; i < layer.heights.size(); ++i) {
+      const Eigen::Vector2d from_center = layer.points[i].cast<double>() - out.center;
+      if ((from_center.cwiseAbs().array() <= out.half.array()).all()) heights.push_back(layer.heights[i]);
+    }
+  }
+  if (!heights.empty()) std::tie(out.lowest, out.highest) = narrowest(heights, 0.96);
   out.highest = std::max(out.highest, out.lowest + 1e-3);
-  fit_heights(view, extent.heights, out);
   return out;
 }
 

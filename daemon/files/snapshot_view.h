@@ -84,35 +84,22 @@ struct SnapshotView {
     std::string name;
     std::string note;  ///< its explanation in the legend
     std::vector<Eigen::Vector2f> points;
-    std::vector<char> joined;  ///< point i and i + 1 are neighbouring beams on one surface; empty: none are
-    std::vector<float> heights,
-        values;      ///< of a cloud's points: m in base_frame; the values of their colours
-    double dot = 6;  ///< pixels, of an input's points
+    std::vector<char> joined;    ///< point i and i + 1 are neighbouring beams on one surface; empty: none are
+    std::vector<float> heights;  ///< of a cloud's points: m in base_frame, shown as colours
+    double dot = 6;              ///< pixels, of an input's points
   };
 
-  /// The plane of a scan as a line in the side view: x and z of a point, and the line's direction.
-  struct Plane {
-    Role role;
-    std::size_t number;
-    std::string name;
-    Eigen::Vector2d at, along;
-  };
   /// The area that the picture shows.
   struct Framing {
     Eigen::Vector2d center{0, 0};
     Eigen::Vector2d half{10, 10};    ///< m that are shown at least from the center, ahead and to the left
-    double low = 0, high = 0;        ///< m: heights of the side view; equal: there is none
     int width = 0;                   ///< pixels of the page; 0: as needed
-    double lowest = 0, highest = 1;  ///< values at the ends of the colours
+    double lowest = 0, highest = 1;  ///< m: heights at the ends of the colours
   };
-  /// Extent of the side view to the left and right of base_frame's x axis, m.
-  static constexpr double side_strip = 2;
 
   struct Sensor {
     std::string name;
     Eigen::Vector2d at;
-    std::vector<Eigen::Vector2d> field;  ///< directions from its first beam to its last; empty: not known
-    bool all_round = false;
     Role role = Role::input;  ///< of its layer
     std::size_t number = 0;
   };
@@ -125,7 +112,6 @@ struct SnapshotView {
 
   std::string title;
   std::string subtitle;
-  bool has_legend = true;
   std::string base_frame;
   std::vector<Eigen::Vector2d> footprint;
   std::vector<Sensor> sensors;
@@ -135,21 +121,14 @@ struct SnapshotView {
   std::string unobserved_note;
   std::vector<std::string> notes;    ///< one sentence each: remarks on the picture
   std::vector<std::string> missing;  ///< one sentence each: objects not drawn, and why
-  std::vector<Plane> planes;
-  std::vector<Eigen::Vector2d> lidars;  ///< in the side view: x and z of those whose clouds are shown
-  std::optional<double> ground;         ///< m: height of a plane that the configuration calls the ground
-  std::string color_words;              ///< meaning of the colours of clouds
   Framing framing;
 };
-
-/// Meaning of the colours of clouds.
-enum class CloudColor : std::uint8_t { height, ring, intensity };
 
 /// Builds the view of `frames`. `areas` is the topic whose free and unobserved areas are shaded; empty: the
 /// first merged or virtual scan in profile strict, else safety, else the first scan of all; flatten proves no
 /// free space, so nothing is shaded for it. Throws std::runtime_error without a frame of it.
 SnapshotView make_view(const Config& config, const FrameTree& poses, const FrameKeeper& frames,
-                       const std::string& areas, CloudColor color);
+                       const std::string& areas);
 
 /// The framing that shows 95 % of the returns.
 SnapshotView::Framing fit_to_points(const SnapshotView& view);
@@ -157,7 +136,7 @@ SnapshotView::Framing fit_to_points(const SnapshotView& view);
 enum class PictureFormat : std::uint8_t { png, svg };
 /// The format by the end of a file's name; nothing: neither .png nor .svg.
 std::optional<PictureFormat> picture_format(const std::string& path);
-/// The picture as the bytes of a file: views side by side.
+/// The picture as the bytes of a file: views side by side, the last one with its legend.
 std::string draw_snapshot(const std::vector<SnapshotView>& views, PictureFormat format);
 
 }  // namespace lidard

@@ -167,7 +167,7 @@ void BlackBox::add(const Packet& packet) {
 }
 
 void BlackBox::incident(Stamp now, const std::string& kind) {
-  if (!is_on() || !config_.on_error) return;
+  if (!is_on()) return;
   incidents_.insert(kind);
   if (!due_) due_ = std::max(now + aftermath, pause_end_);
 }

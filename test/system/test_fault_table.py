@@ -7,6 +7,7 @@ import collections
 import contextlib
 import json
 import re
+import shutil
 import signal
 import socket
 import threading
@@ -269,7 +270,7 @@ merged_scans:
   astray: {{laserscan_topics: [left, odd, bad, lone], destination_frame: nowhere}}
 virtual_scans:
   levels: {{cloud_topic: roof, virtual_laser_scan: [low], poses: {{low: {{xyz: [0, 0, 0.4]}}}}, beams: 720}}
-blackbox: {{seconds: 5, on_error: false, path: {tmp}/file/box}}
+blackbox: {{seconds: 5, path: {tmp}/file/box}}
 """
 ROOM = ("wall: {from: [6, -7], to: [6, 8], z: [-1, 4]}", "wall: {from: [-6, 7], to: [8, 7], z: [-1, 4]}")
 # Sensors that send always, and those that end.
@@ -302,12 +303,16 @@ def publish_oddly(stop_it):
 
 def faults_of_middleware(tmp, watch, table, master):
     ports = {"ms3": free_port(socket.SOCK_DGRAM), "roof": free_port(socket.SOCK_DGRAM)}
-    (tmp / "file").write_text("no folder")
     good = MIDDLEWARE_CONFIG.format(tmp=tmp, **ports)
     config, clock = write(tmp / "ros.yaml", good), Clock(tmp / "clock")
 
     def fault(key, do):
         table.check([f for f in MIDDLEWARE if f.key == key], {key: begin(do)})
+
+    def no_folder():
+        shutil.rmtree(tmp / "file")
+        (tmp / "file").write_text("no folder")
+        run("dump")
 
     def reload(text):
         write(config, text)
@@ -332,7 +337,7 @@ def faults_of_middleware(tmp, watch, table, master):
         mortal.kill()
         gone = began()
         table.check([f for f in MIDDLEWARE if f.key in ("no_cloud", "no_source")], {"no_cloud": gone, "no_source": gone})
-        fault("box", lambda: run("dump"))
+        fault("box", no_folder)
         fault("key", lambda: reload(good.replace("beams: 720", "beans: 720")))
         reload(good)
         wait_for(lambda: level("configuration") == "OK", 5, "the good configuration")

@@ -347,21 +347,10 @@ def mistakes(tmp):
 
 
 def without_roslaunch(tmp):
-    """The same files where roslaunch is not installed: a module of this name that is not it stands first."""
+    """Where roslaunch is not installed (a module of this name that is not it stands first), the answer says what to install."""
     written(tmp, "without/roslaunch/__init__.py", "raise ImportError('No module named roslaunch')\n")
-    without = {**os.environ, "PYTHONPATH": str(tmp / "without")}
-    for file in ("xd.launch", "urg.launch", "velodyne/velodyne_pointcloud/launch/points.launch", "tools.launch"):
-        plain = run("import", tmp / file, env=without)
-        expect(plain.returncode == 0 and "read without roslaunch" in plain.stdout, plain.stdout + plain.stderr)
-        expect(yaml.safe_load(plain.stdout) == yaml.safe_load(run("import", tmp / file).stdout), f"{file} is read otherwise")
-    evaluated = run("import", tmp / "safety.launch", env=without)
-    expect(evaluated.returncode == 78 and "$(eval 1 > 2) is resolved by roslaunch alone" in evaluated.stderr, evaluated.stderr)
-    loop = written(tmp, "loop.launch", f"<launch><include file='{tmp}/loop.launch'/></launch>")
-    endless = run("import", loop, env=without)
-    expect(endless.returncode == 78 and "does it include itself?" in endless.stderr, endless.stderr)
-    needy = run("import", written(tmp, "no_arg.launch", "<launch><arg name='x'/><node pkg='a' type='b' name='$(arg x)'/></launch>"),
-                env=without)
-    expect(needy.returncode == 78 and "requires the 'x' arg to be set" in needy.stderr, needy.stderr)
+    answer = run("import", tmp / "urg.launch", env={**os.environ, "PYTHONPATH": str(tmp / "without")})
+    expect(answer.returncode == 1 and "apt install python3-roslaunch" in answer.stderr, answer.stderr)
 
 
 with folder() as tmp:

@@ -64,7 +64,9 @@ TEST(Inspect, ListsForeignStreamsWithSizeAndRate) {
   EXPECT_EQ(text.exit, 0);
   EXPECT_THAT(text.out, HasSubstr("11 datagrams in 12 frames, 1.000 s; 1 not IP\n"));
   EXPECT_THAT(text.out, HasSubstr("no sensor was recognised"));
-  EXPECT_THAT(text.out, HasSubstr("# 192.168.1.201   5009  11       10.0/s  1.000 s   30-31\n"));
+  EXPECT_THAT(
+      text.out,
+      HasSubstr("# 192.168.1.201  udp        5009  11       10       1           30        31       -\n"));
   EXPECT_THAT(text.out, Not(HasSubstr("sensors:")));
 }
 

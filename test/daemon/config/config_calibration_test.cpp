@@ -141,8 +141,8 @@ TEST_F(ConfigCalibration, AStepThatIsNotTheModelsIsAWarning) {
 
 TEST_F(ConfigCalibration, OtherSensorsHaveNone) {
   EXPECT_EQ(error_of("sensors: {a: {model: sick_microscan3, calibration: x}}"),
-            "f:1:39: sensors.a.calibration is not available for sick_microscan3, which sends calibrated "
-            "measurements; expected no such key");
+            "f:1:39: sensors.a.calibration is not available for sick_microscan3, only for "
+            "Velodynes; expected no such key");
   EXPECT_THAT(error_of("sensors: {a: {topic: x, calibration: x}}"), HasSubstr("does not apply to a source"));
 }
 

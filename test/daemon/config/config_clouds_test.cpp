@@ -63,10 +63,13 @@ TEST(CloudConfig, RemovedKeysNameWhatToDoInstead) {
   EXPECT_THAT(error_of(roof_cloud("frame_cut: view")),
               StartsWith("f:1:38: sensors.a.frame_cut is a key of former versions; expected cut_angle: "));
   for (const char* key : {"frame_duration", "publish_confidence", "publish_echo"})
-    EXPECT_THAT(error_of(roof_cloud(std::string(key) + ": true")), HasSubstr("is a key of former versions")) << key;
+    EXPECT_THAT(error_of(roof_cloud(std::string(key) + ": true")), HasSubstr("is a key of former versions"))
+        << key;
   for (const char* key : {"laser", "phase_lock", "save", "period"})
-    EXPECT_THAT(error_of(roof_cloud("ip_address: 10.0.0.1, control: {read: true, " + std::string(key) + ": 1}")),
-                HasSubstr("control." + std::string(key) + " is a key of former versions; expected no such key: ")) << key;
+    EXPECT_THAT(
+        error_of(roof_cloud("ip_address: 10.0.0.1, control: {read: true, " + std::string(key) + ": 1}")),
+        HasSubstr("control." + std::string(key) + " is a key of former versions; expected no such key: "))
+        << key;
 }
 
 TEST(CloudConfig, ArrangesTheMessage) {
@@ -130,7 +133,7 @@ TEST(CloudConfig, ChoosesTheTelemetryPort) {
             "f:1:54: sensors.a.telemetry_port is both ip_port and telemetry_port; expected two ports, or "
             "telemetry_port: 0");
   EXPECT_THAT(error_of(roof_cloud("telemetry_port: 8308", "velodyne_hdl64e_s3")),
-              HasSubstr("which sends no telemetry beside its data"));
+              HasSubstr("only for devices with a satellite receiver"));
 }
 
 TEST(CloudConfig, TakesPacketsFromATopicInsteadOfTheNetwork) {
@@ -140,7 +143,7 @@ TEST(CloudConfig, TakesPacketsFromATopicInsteadOfTheNetwork) {
               HasSubstr("sensors.a.ip_port is given beside packet_topic"));
   EXPECT_THAT(error_of(roof_cloud("packet_topic: p, control: {read: true}")), HasSubstr("is given beside"));
   EXPECT_THAT(error_of(roof_cloud("packet_topic: p", "sick_microscan3")),
-              HasSubstr("whose packets travel in no message that is known"));
+              HasSubstr("is not available for sick_microscan3, only for Velodynes"));
   EXPECT_EQ(
       error_of("sensors:\n  a: {model: velodyne_vlp16, packet_topic: p}\n  b: {model: velodyne_vlp16}\n"),
       "no error")
@@ -156,12 +159,12 @@ TEST(CloudConfig, PublishesPacketsOnATopicOfTheirOwn) {
   EXPECT_THAT(error_of(roof_cloud("raw_topic: a/points")), HasSubstr("would publish on a/points"));
   EXPECT_NE(error_of(roof_cloud("raw_topic: p, packet_topic: p")), "no error") << "it would hear itself";
   EXPECT_THAT(error_of(roof_cloud("raw_topic: p", "sick_microscan3")),
-              HasSubstr("whose packets travel in no message that is known"));
+              HasSubstr("is not available for sick_microscan3, only for Velodynes"));
 }
 
 TEST(CloudConfig, PlanarScannersHaveNoSuchKeysButTheirTopic) {
   EXPECT_THAT(error_of(roof_cloud("min_range: 1", "sick_microscan3")),
-              HasSubstr("is not available for sick_microscan3, which is no multi-plane lidar"));
+              HasSubstr("is not available for sick_microscan3, only for Velodynes"));
   EXPECT_EQ(sensor_of("scan_topic: front", "sick_microscan3").scan_topic, "front");
   EXPECT_EQ(sensor_of("ip_port: 6060", "sick_microscan3").scan_topic, "a/scan");
 }
@@ -169,8 +172,7 @@ TEST(CloudConfig, PlanarScannersHaveNoSuchKeysButTheirTopic) {
 TEST(CloudConfig, IsWrittenAndReadBackTheSame) {
   for (const char* keys :
        {"cut_angle: 1, min_range: 0.4, max_range: 70, view_direction: -0.5, view_width: 1",
-        "organize_cloud: firings, frame_stamp: last",
-        "organize_cloud: true, telemetry_port: 0",
+        "organize_cloud: firings, frame_stamp: last", "organize_cloud: true, telemetry_port: 0",
         "scan_ring: auto, scan_resolution: 0.007, scan_topic: level, points_topic: velodyne_points",
         "packet_topic: velodyne_packets", "raw_topic: velodyne_packets"}) {
     const Config config = parse_config(roof_cloud(keys, "velodyne_vls128"), "f");
@@ -179,9 +181,8 @@ TEST(CloudConfig, IsWrittenAndReadBackTheSame) {
     EXPECT_THAT(yaml, HasSubstr("points_topic: "));
   }
   const std::string yaml = to_yaml(parse_config(roof_cloud("scan_ring: auto, organize_cloud: true"), "f"));
-  for (const char* line :
-       {"    cut_angle: 0\n", "    scan_ring: 8\n", "    organize_cloud: rings\n",
-        "    frame_stamp: first\n", "    telemetry_port: 8308\n"})
+  for (const char* line : {"    cut_angle: 0\n", "    scan_ring: 8\n", "    organize_cloud: rings\n",
+                           "    frame_stamp: first\n", "    telemetry_port: 8308\n"})
     EXPECT_THAT(yaml, HasSubstr(line));
 }
 

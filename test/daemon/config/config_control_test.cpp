@@ -97,8 +97,8 @@ TEST(ControlConfig, NeedsTheSensorsAddress) {
 TEST(ControlConfig, IsRefusedForOtherSensors) {
   EXPECT_EQ(
       error_of("sensors: {a: {model: sick_microscan3, control: {read: true}}}"),
-      "f:1:39: sensors.a.control is not available for sick_microscan3, which has no web interface that is "
-      "known; expected no such key: it applies to Velodynes other than the HDL-64E");
+      "f:1:39: sensors.a.control is not available for sick_microscan3, only for Velodynes but the HDL-64E; "
+      "expected no such key");
   EXPECT_THAT(error_of("sensors: {a: {model: velodyne_hdl64e_s3, control: {read: true}}}"),
               HasSubstr("sensors.a.control is not available for velodyne_hdl64e_s3"));
   EXPECT_THAT(error_of("sensors: {a: {topic: /scan, control: {read: true}}}"),
@@ -113,9 +113,8 @@ TEST(ControlConfig, WarnsWhereTheSensorWouldSendElsewhere) {
 }
 
 TEST(ControlConfig, IsEmittedSoThatItReadsBackToTheSame) {
-  EXPECT_THAT(
-      to_yaml(parse_config("sensors: {roof: {model: velodyne_vlp16}}", "f")),
-      HasSubstr("    control: {read: false, allow_write: false, port: 80}\n"));
+  EXPECT_THAT(to_yaml(parse_config("sensors: {roof: {model: velodyne_vlp16}}", "f")),
+              HasSubstr("    control: {read: false, allow_write: false, port: 80}\n"));
   const std::string yaml = to_yaml(parse_config(
       roof("allow_write: true, rpm: 900, returns: last, fov: {start_deg: 270, end_deg: 360}, host: {address: "
            "239.0.0.1, port: 2368, telemetry_port: 1}"),

@@ -47,7 +47,7 @@ TEST(MergedCloudConfigs, MistakesNameTheirPlaceAndTheRemedy) {
             "f:8:28: merged_clouds.around.sources[1] names \"tial\", which is no sensor and no topic of one; "
             "expected tail");
   EXPECT_EQ(error_with("around: {sources: [roof, roof/points]}"),
-            "f:8:28: merged_clouds.around.sources[1] names roof again; expected every sensor once");
+            "f:8:28: merged_clouds.around.sources[1] names roof again; expected every source once");
   EXPECT_EQ(error_with("roof: {sources: [roof, tail]}"),
             "f:8:3: merged_clouds.roof is the name of a sensor too; expected a name of its own");
   EXPECT_EQ(error_with("around: {sources: [roof], destination_topic: tail}"),

@@ -208,7 +208,7 @@ TEST(VirtualScanConfig, ReadsTheProfileAndWhatItNeeds) {
   const Config config = with_outputs(
       "merged_scans: {m: {laserscan_topics: rear}}\n"
       "virtual_scans: {v: {cloud_topic: roof, virtual_laser_scan: [low, high], profile: strict, mode: band, "
-      "min_height: 0.1, max_height: 1.8, ground: {model: slope, z: -0.3, tolerance: 0.05, steepest: 0.2}, "
+      "min_height: 0.1, max_height: 1.8, ground: {model: slope, z: -0.3, tolerance: 0.05}, "
       "echoes: all, range_max: 50, "
       "no_return_free_range: 40, unobserved: minus_inf, also: {safe: safety}}}\n");
   EXPECT_TRUE(config.warnings.empty());
@@ -217,7 +217,6 @@ TEST(VirtualScanConfig, ReadsTheProfileAndWhatItNeeds) {
   EXPECT_EQ(scan.mode, CutMode::band);
   EXPECT_EQ(scan.ground.model, GroundModel::slope);
   EXPECT_EQ(scan.ground.z, -0.3);
-  EXPECT_EQ(scan.ground.steepest, 0.2);
   EXPECT_TRUE(scan.early_returns);
   EXPECT_EQ(scan.no_return_free_range, 40);
   ASSERT_EQ(scan.also.size(), 1U);
@@ -261,8 +260,6 @@ TEST(VirtualScanConfig, RefusesWrongCuts) {
   EXPECT_THAT(virtual_error(begin + "mode: cut"), ::testing::HasSubstr("is \"cut\"; expected slice or band"));
   EXPECT_THAT(virtual_error(begin + "ground: flat"),
               ::testing::HasSubstr("is \"flat\"; expected none, plane or slope"));
-  EXPECT_THAT(virtual_error(begin + "ground: {model: plane, steepest: 0.1}"),
-              ::testing::HasSubstr("is for a ground of model slope, and this is plane"));
   EXPECT_THAT(virtual_error(begin + "echoes: first"), ::testing::HasSubstr("expected last or all"));
   EXPECT_THAT(virtual_error(begin + "also: {a: safety, 'b c': strict}"), ::testing::StartsWith("f:"));
 }

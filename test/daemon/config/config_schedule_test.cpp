@@ -105,10 +105,10 @@ TEST(MotionConfig, HasOneSource) {
 }
 
 TEST(ScheduleConfig, IsWrittenAndReadBack) {
-  const Config config = parse(
-      sensors +
-      "merged_scans: {m: {laserscan_topics: [a, b], rate: 20, deadline: 0.01, lost_after: 0.3, "
-      "status_topic: s, on_missing_motion: drop, source_settings: {b: {range_max: 9}}}}\n");
+  const Config config =
+      parse(sensors +
+            "merged_scans: {m: {laserscan_topics: [a, b], rate: 20, deadline: 0.01, lost_after: 0.3, "
+            "status_topic: s, on_missing_motion: drop, source_settings: {b: {range_max: 9}}}}\n");
   const Config again = parse_config(to_yaml(config), "again");
   const MergedScanConfig& a = config.merged_scans[0];
   const MergedScanConfig& b = again.merged_scans[0];

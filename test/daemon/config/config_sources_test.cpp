@@ -54,7 +54,7 @@ TEST(ConfigSources, FindsASensorByTheTopicThatItReallyPublishes) {
             "f:2:39: merged_scans.m.laserscan_topics[0] names roof/points, of a velodyne_vlp16, which gives "
             "clouds; expected names of sensors that give scans: front, back, roof");
   EXPECT_THAT(error("front, front_scan"),
-              ::testing::EndsWith("names front again; expected every sensor once"));
+              ::testing::EndsWith("names front again; expected every source once"));
   EXPECT_THAT(error_of("sensors: {roof: {model: velodyne_vlp16}}\nvirtual_scans: {v: {cloud_topic: roof, "
                        "virtual_laser_scan: [low], poses: {low: {xyz: [0, 0, 0]}}, profile: strict}}\n"
                        "merged_scans: {m: {laserscan_topics: [low, low]}}"),
@@ -124,7 +124,7 @@ TEST(ConfigSources, RefusesSourcesThatAreNone) {
             "f:7:32: merged_scans.m.laserscan_topics[1] names roof, a velodyne_vlp16, which gives clouds; "
             "expected names of sensors that give scans: rear");
   EXPECT_EQ(merged_error("laserscan_topics: [rear, /rear]"),
-            "f:7:32: merged_scans.m.laserscan_topics[1] names rear again; expected every sensor once");
+            "f:7:32: merged_scans.m.laserscan_topics[1] names rear again; expected every source once");
 }
 
 TEST(ConfigSources, RefusesCloudsThatAreNone) {
@@ -133,7 +133,8 @@ TEST(ConfigSources, RefusesCloudsThatAreNone) {
             "expected roof");
   EXPECT_EQ(virtual_error("virtual_laser_scan: a"),
             "f:7:3: virtual_scans.v has no cloud_topic; expected a sensor that gives clouds: roof, rear");
-  EXPECT_EQ(error_of("sensors: {a: {model: sick_microscan3}}\nvirtual_scans: {v: {cloud_topic: a}}"),
+  EXPECT_EQ(error_of("sensors: {a: {model: sick_microscan3}}\n"
+                     "virtual_scans: {v: {cloud_topic: a, virtual_laser_scan: b}}"),
             "f:2:34: virtual_scans.v.cloud_topic names a, a sick_microscan3, which gives scans; expected a "
             "sensor that gives clouds: none is configured");
 }

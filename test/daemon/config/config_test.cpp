@@ -165,12 +165,14 @@ TEST(VehicleConfig, RefusesFootprintsThatAreNoPolygon) {
   EXPECT_EQ(footprint("[[0, 0], [1, 1], [2, x]]"),
             "f:1:43: vehicle.footprint[2][1] is \"x\"; expected a number from -1000 to 1000 m");
   EXPECT_EQ(footprint("[[0, 0], [1, 1], [1, 0], [0, 1]]"),
-            "f:1:39: vehicle.footprint[2] begins an edge that crosses the one from vertex 0" + order);
+            "f:1:22: vehicle.footprint crosses itself or has no area" + order);
   EXPECT_EQ(footprint("[[0, 0], [1, 0], [1, 1], [0, 0]]"),
-            "f:1:23: vehicle.footprint[0] is the same point as its neighbour" + order);
+            "f:1:23: vehicle.footprint[0] is the same point as its neighbour; expected each vertex once");
   EXPECT_EQ(footprint("[[0, 0], [2, 0], [2, 2], [1, 0], [0, 2]]"),
-            "f:1:39: vehicle.footprint[2] begins an edge that crosses the one from vertex 0" + order);
-  EXPECT_EQ(footprint("[[0, 0], [1, 1], [2, 2]]"), "f:1:22: vehicle.footprint has no area" + vertices);
+            "f:1:22: vehicle.footprint crosses itself or has no area at (1, 0)" + order);
+  EXPECT_EQ(footprint("[[0, 0], [1, 1], [2, 2]]"),
+            "f:1:22: vehicle.footprint crosses itself or has no area at (2, 2)" + order);
+  EXPECT_EQ(footprint("[[0, 0], [1e-3, 0], [0, 1e-3]]"), "f:1:22: vehicle.footprint has no area" + vertices);
   EXPECT_EQ(footprint("[[0, 0], [2, 0], [2, 2], [1, 0.5], [0, 2]]"), "no error");
   EXPECT_EQ(footprint("[]"), "no error");
 }

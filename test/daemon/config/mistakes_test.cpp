@@ -1,12 +1,11 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/config/mistakes.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <sstream>
 
+#include "daemon/config/config_error.h"
 #include "test/daemon/config/config_support.h"
 
 namespace lidard {
@@ -62,9 +61,15 @@ TEST(Mistakes, AreNoReasonToComplainOfWhatFollowsFromThem) {
   EXPECT_THAT(errors_of("sensors: {a: {topic: s}}\n"
                         "merged_scans: {m: {laserscan_topics: [a], angle_min: x, angle_max: -3.5}}\n"),
               ElementsAre(HasSubstr("m.angle_min is \"x\"")));
+  // A misspelt section, and a value that a rule of another section needs.
+  EXPECT_THAT(errors_of("sensor: {a: {topic: s}}\nmerged_scans: {m: {laserscan_topics: [a]}}\n"),
+              ElementsAre("f:1:1: unknown key sensor; expected sensors"));
+  EXPECT_THAT(errors_of("vehicle: {odometry_frame: a b}\n"
+                        "sensors: {a: {model: velodyne_vlp16, deskew: true}}\n"),
+              ElementsAre(HasSubstr("vehicle.odometry_frame is \"a b\"")));
 }
 
-TEST(Mistakes, InOneEntryAreToldTogetherWithRulesThatItBreaks) {
+TEST(Mistakes, AreAllRulesThatAnEntryBreaks) {
   EXPECT_THAT(
       errors_of("sensors: {a: {topic: s}}\n"
                 "merged_scans:\n"
@@ -75,12 +80,10 @@ TEST(Mistakes, InOneEntryAreToldTogetherWithRulesThatItBreaks) {
                 "    min_height: 2\n"
                 "    max_height: 1\n"
                 "    rate: 5\n"
-                "    policy: trigger\n"
-                "    profile: both\n"),
+                "    policy: trigger\n"),
       ElementsAre(StartsWith("f:4:27: merged_scans.m.laserscan_topics[1] names \"b\", which is no sensor"),
                   StartsWith("f:8:17: merged_scans.n.max_height leaves no height"),
-                  StartsWith("f:9:5: merged_scans.n.rate has no effect with policy: trigger"),
-                  StartsWith("f:11:14: merged_scans.n.profile is \"both\"")));
+                  StartsWith("f:9:5: merged_scans.n.rate has no effect with policy: trigger")));
 }
 
 TEST(Mistakes, OfModelsThatAreNotKnownAreCheckedAsFarAsAnyModelGoes) {

@@ -1,23 +1,24 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/config/removed_keys.h"
-
 #include <gtest/gtest.h>
 
+#include "daemon/config/yaml_reader.h"
 #include "test/daemon/config/config_support.h"
 
 namespace lidard {
 namespace {
 
 TEST(RemovedKeys, AreAnsweredWithWhatToDoInstead) {
-  EXPECT_EQ(test::merged_error("laserscan_topics: rear, free_requires: all"),
-            "f:7:31: merged_scans.m.free_requires is a key of former versions; expected a merged scan for each "
-            "mounting height");
+  EXPECT_EQ(
+      test::merged_error("laserscan_topics: rear, free_requires: all"),
+      "f:7:31: merged_scans.m.free_requires is a key of former versions; expected a merged scan for each "
+      "mounting height");
   EXPECT_EQ(test::virtual_error("cloud_topic: roof, virtual_laser_scan: a, keep_ground: true"),
             "f:7:49: virtual_scans.v.keep_ground is a key of former versions; expected ground: none");
-  EXPECT_EQ(test::error_of("sensors: {a: {model: velodyne_vlp16, frame_cut: time}}"),
-            "f:1:38: sensors.a.frame_cut is a key of former versions; expected cut_angle: a frame is a revolution "
-            "that ends there");
+  EXPECT_EQ(
+      test::error_of("sensors: {a: {model: velodyne_vlp16, frame_cut: time}}"),
+      "f:1:38: sensors.a.frame_cut is a key of former versions; expected cut_angle: a frame is a revolution "
+      "that ends there");
 }
 
 TEST(RemovedKeys, OfOneSectionMayBeKeysOfAnother) {

@@ -107,58 +107,26 @@ const MovedParameter* row_of(std::string_view package, const std::string& name) 
 
 /// A value that is not the default, and that means something beside the values of `needed`.
 std::string sample_of(const std::string& name) {
-  static const NodeParameters samples{{"sensor_ip", "192.168.7.1"},
-                                      {"host_ip", "192.168.7.2"},
-                                      {"ip_address", "192.168.7.1"},
-                                      {"hostname", "192.168.7.1"},
-                                      {"device_ip", "192.168.7.1"},
-                                      {"udp_receiver_ip", "192.168.7.2"},
-                                      {"host_udp_port", "6061"},
-                                      {"port", "2377"},
-                                      {"udp_port", "2377"},
-                                      {"ip_port", "10941"},
-                                      {"frame_id", "a_frame"},
-                                      {"publish_frame_id", "a_frame"},
-                                      {"tf_prefix", "robot"},
-                                      {"base_frame", "a_frame"},
-                                      {"destination_frame", "a_frame"},
-                                      {"virtual_laser_scan", "c d"},
-                                      {"laserscan_topics", "/c /d"},
-                                      {"timestamp_first_packet", "true"},
-                                      {"organize_cloud", "true"},
-                                      {"publish_intensity", "false"},
-                                      {"publish_multiecho", "true"},
-                                      {"calibrate_time", "true"},
-                                      {"intensity", "false"},
-                                      {"listen_only_mode", "true"},
-                                      {"activate_lferec", "true"},
-                                      {"activate_lidoutputstate", "true"},
-                                      {"activate_lidinputstate", "true"},
-                                      {"user_level_password", "12345678"},
-                                      {"model", "32E"},
-                                      {"tf_base_lidar_xyz_rpy", "1,2,3,0,0,0"},
-                                      {"tf_publish_rate", "0"},
-                                      {"add_transform_xyz_rpy", "0,0,1,3.14159,0,0"},
-                                      {"time_increment", "0.001"},
-                                      {"user_level", "4"},
-                                      {"angle_start", "-0.5"},
-                                      {"cluster", "2"},
-                                      {"skip", "3"},
-                                      {"max_range", "50"},
-                                      {"ring", "2"},
-                                      {"laserscan_ring", "2"},
-                                      {"resolution", "0.01"},
-                                      {"laserscan_resolution", "0.01"},
-                                      {"host_FREchoFilter", "1"},
-                                      {"cloud_destination_topic", "other"},
-                                      {"scan_destination_topic", "other"},
-                                      {"cloud_topic", "other"},
-                                      {"laserscan_topic", "other"},
-                                      {"output_laser_topic", "other"},
-                                      {"publish_laserscan_fullframe_topic", "other"},
-                                      {"tf_base_frame_id", "a_frame"}};
-  const auto found = samples.find(name);
-  return found == samples.end() ? "0.5" : found->second;
+  // Names and their values by turns.
+  static const std::vector<std::string> samples = split_words(
+      "sensor_ip 192.168.7.1 host_ip 192.168.7.2 ip_address 192.168.7.1 hostname 192.168.7.1 device_ip "
+      "192.168.7.1 udp_receiver_ip 192.168.7.2 host_udp_port 6061 port 2377 udp_port 2377 ip_port "
+      "10941 frame_id a_frame publish_frame_id a_frame tf_prefix robot base_frame a_frame "
+      "destination_frame a_frame timestamp_first_packet true organize_cloud true publish_intensity "
+      "false publish_multiecho true calibrate_time true intensity false listen_only_mode true "
+      "activate_lferec true activate_lidoutputstate true activate_lidinputstate true "
+      "user_level_password 12345678 model 32E tf_base_lidar_xyz_rpy 1,2,3,0,0,0 tf_publish_rate 0 "
+      "add_transform_xyz_rpy 0,0,1,3.14159,0,0 time_increment 0.001 user_level 4 angle_start -0.5 "
+      "cluster 2 skip 3 max_range 50 ring 2 laserscan_ring 2 resolution 0.01 laserscan_resolution 0.01 "
+      "host_FREchoFilter 1 cloud_destination_topic other scan_destination_topic other cloud_topic "
+      "other laserscan_topic other output_laser_topic other publish_laserscan_fullframe_topic other "
+      "tf_base_frame_id a_frame");
+  if (name == "virtual_laser_scan") return "c d";
+  if (name == "laserscan_topics") return "/c /d";
+  for (std::size_t i = 0; i < samples.size(); i += 2) {
+    if (samples[i] == name) return samples[i + 1];
+  }
+  return "0.5";
 }
 
 /// Everything that the setup says, but for the remarks.

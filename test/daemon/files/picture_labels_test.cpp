@@ -16,13 +16,13 @@ SnapshotView empty_view() {
   return view;
 }
 
-/// Colours of roles as the style has them.
-constexpr Rgb blue{0, 115, 179}, orange{214, 94, 0}, red{214, 0, 115}, violet{115, 51, 140};
+/// The colour of the first scanner.
+constexpr Rgb blue{0, 115, 179};
 
 TEST_F(Pictures, HaveTheWholeNameOfASensorAtTheirEdge) {
   const auto letters = [&](double left) {
     SnapshotView view = empty_view();
-    view.sensors.push_back({"front_right", {0, left}, {}, false, Role::input, 0});
+    view.sensors.push_back({"front_right", {0, left}, Role::input, 0});
     const Pixels picture = pixels_of(view);
     return find(picture, 76, picture.height, [](auto p) { return is_like(p, blue, 70); }).count;
   };
@@ -37,47 +37,12 @@ TEST_F(Pictures, HaveTheWholeNameOfASensorAtTheirEdge) {
 TEST_F(Pictures, HaveNoNameOfASensorUponAnother) {
   const auto letters = [&](bool alone) {
     SnapshotView view = empty_view();
-    view.sensors.push_back({"front_right", {0, -1.0}, {}, false, Role::input, 0});
-    if (!alone) view.sensors.push_back({"front_radar", {0.5, -1.0}, {}, false, Role::input, 1});
+    view.sensors.push_back({"front_right", {0, -1.0}, Role::input, 0});
+    if (!alone) view.sensors.push_back({"front_radar", {0.5, -1.0}, Role::input, 1});
     const Pixels picture = pixels_of(view);
     return find(picture, 76, picture.height, [](auto p) { return is_like(p, blue, 70); }).count;
   };
   EXPECT_NEAR(static_cast<double>(letters(false)), static_cast<double>(letters(true)), 5);
-}
-
-TEST_F(Pictures, NameEveryPlaneOfTheSideView) {
-  using Plane = SnapshotView::Plane;
-  const std::vector<std::pair<Plane, Rgb>> all{
-      {{Role::input, 0, "front_left/scan", {0, 0.35}, {1, 0}}, blue},
-      {{Role::input, 1, "front_right/scan", {0, 0.35}, {1, 0}}, orange},
-      {{Role::virtual_scan, 0, "the_bumper_of_it", {0.1, 0.3}, {1, 0}}, red},
-      {{Role::virtual_scan, 1, "the_chest_of_it", {0.1, 1.2}, {1, 0}}, violet}};
-  const auto draw_planes = [&](const std::vector<Plane>& planes) {
-    SnapshotView view = empty_view();
-    view.planes = planes;
-    view.lidars.push_back({0, 2});
-    view.framing.low = -0.5, view.framing.high = 2.5;
-    return pixels_of(view);
-  };
-  std::vector<Plane> planes;
-  for (const auto& [plane, color] : all) planes.push_back(plane);
-  const Pixels together = draw_planes(planes);
-  for (const auto& [plane, color] : all) {
-    // Lines lie upon each other: only pixels beside them are letters'.
-    const auto letters = [&, &color = color](const Pixels& picture) {
-      std::size_t count = 0;
-      for (int y = 330; y < picture.height; ++y) {
-        const auto in_row = [&](int row) {
-          return find(picture, row, row + 1, [&](auto p) { return is_like(p, color, 60); }).count;
-        };
-        count += in_row(y) < 90 ? in_row(y) : 0;
-      }
-      return static_cast<double>(count);
-    };
-    const double alone = letters(draw_planes({plane}));
-    ASSERT_GT(alone, 100) << plane.name;
-    EXPECT_NEAR(letters(together), alone, 0.15 * alone) << plane.name;
-  }
 }
 
 TEST_F(Pictures, SayWhatWhiteMeansWhereAreasAreShaded) {

@@ -111,8 +111,8 @@ TEST(SafetyMessages, TopicsAreThereWhereTheKeysAreSet) {
               HasSubstr("/a/output_paths sick_safetyscanners/OutputPathsMsg\n"));
   EXPECT_THAT(
       test::error_of("sensors: {a: {ip_address: 10.0.0.1, model: hokuyo_scip, output_paths_topic: p}}"),
-      HasSubstr("sensors.a.output_paths_topic is not available for hokuyo_scip, which is no safety "
-                "scanner of SICK"));
+      HasSubstr("sensors.a.output_paths_topic is not available for hokuyo_scip, only for SICK safety "
+                "scanners"));
 }
 
 }  // namespace
