@@ -260,7 +260,8 @@ std::string config_of(const Survey& survey) {
       yaml += "    ip_address: \"" + sensor.data.address.to_string() + "\"\n";
     yaml += "    ip_port: " + std::to_string(sensor.data.port) + "\n";
     for (const IpAddress& destination : sensor.data.destinations) {
-      if (!destination.is_multicast()) continue;
+      // The daemon receives only IPv4; a connection to a group is a damaged capture.
+      if (sensor.data.transport != Transport::udp || destination.v6 || !destination.is_multicast()) continue;
       yaml += "    multicast_group: \"" + destination.to_string() + "\"\n";
       break;
     }

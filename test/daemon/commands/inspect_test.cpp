@@ -7,7 +7,9 @@
 #include <sstream>
 
 #include "daemon/commands/commands.h"
+#include "daemon/commands/inspect_survey.h"
 #include "daemon/config/config.h"
+#include "drivers/registry/registry.h"
 #include "test/drivers/capture/pcap_testing.h"
 #include "test/support/captures.h"
 
@@ -219,6 +221,20 @@ TEST(Inspect, ClaimsNoSensorInForeignTraffic) {
     LIDARD_NEED_CAPTURE(path, name);
     EXPECT_TRUE(inspect_json(path)["sensors"].empty()) << name;
   }
+}
+
+TEST(Inspect, WritesAnAcceptedConfigurationOfADamagedCapture) {
+  // A connection to a multicast group, found by fuzz_pcap.
+  FoundSensor sensor;
+  sensor.name = "front";
+  sensor.model = find_model("hokuyo_scip");
+  sensor.data.transport = Transport::tcp;
+  sensor.data.address = IpAddress::v4(192, 168, 0, 10);
+  sensor.data.port = 10940;
+  sensor.data.destinations = {IpAddress::v4(224, 168, 0, 2)};
+  Survey seen;
+  seen.sensors = {sensor};
+  EXPECT_EQ(parse_config(config_of(seen), "inspect").sensors.size(), 1U);
 }
 
 TEST(Inspect, FindsSensorsOfSeveralCapturesAtOnce) {
