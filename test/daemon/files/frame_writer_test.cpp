@@ -17,6 +17,7 @@
 #include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <random>
 #include <sstream>
 
 #include "daemon/commands/commands.h"
@@ -52,17 +53,47 @@ class Written : public ::testing::Test {
 };
 
 TEST_F(Written, NumbersHaveTheCharactersOfFmt) {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> mantissa(-1, 1);
+  std::vector<double> values{0.0,
+                             -0.0,
+                             0.5,
+                             1.5,
+                             2.5,
+                             0.00005,
+                             0.000005,
+                             1e5,
+                             123456.7,
+                             1e9,
+                             -1e18,
+                             0.03125,
+                             99.999995,
+                             std::numeric_limits<double>::infinity(),
+                             -std::numeric_limits<double>::infinity(),
+                             std::numeric_limits<double>::quiet_NaN()};
+  for (int i = 0; i < 200'000; ++i) {
+    const double scale = std::pow(10, static_cast<int>(random() % 9) - 3);
+    values.push_back(mantissa(random) * scale);
+    // In the middle between two numbers of four and five digits, where rounding is to the even one.
+    values.push_back(static_cast<double>(static_cast<std::int64_t>(random() % 2'000'000) - 1'000'000) /
+                     32768);
+    values.push_back((static_cast<double>(random() % 20'000'000) + 0.5) / 1e5);
+  }
   RowText rows(path("rows"));
-  std::string expected;
-  for (const double value : {0.0, -0.0, 0.5, 2.5, 0.000005, 123456.7, -1e18, 0.03125, 99.999995,
-                             std::numeric_limits<double>::max(), std::numeric_limits<double>::infinity(),
-                             std::numeric_limits<double>::quiet_NaN()}) {
-    rows.fixed<4>(value).put(' ').fixed<7>(value).put(' ').shortest(static_cast<float>(value)).put('\n');
-    expected += fmt::format("{:.4f} {:.7f} {:g}\n", value, value, static_cast<float>(value));
+  fmt::memory_buffer expected;
+  for (const double value : values) {
+    rows.fixed<4>(value).put(' ').fixed<5>(value).put(' ').fixed<7>(value).put(' ');
+    rows.shortest(static_cast<float>(value))
+        .put(' ')
+        .shortest(std::round(static_cast<float>(value)))
+        .put('\n');
+    rows.flush_if_long();
+    fmt::format_to(std::back_inserter(expected), "{:.4f} {:.5f} {:.7f} {:g} {:g}\n", value, value, value,
+                   static_cast<float>(value), std::round(static_cast<float>(value)));
   }
   rows.integer(std::numeric_limits<std::int64_t>::min()).put(' ').integer(7U);
   rows.close();
-  EXPECT_EQ(content(path("rows")), expected + "-9223372036854775808 7");
+  EXPECT_TRUE(content(path("rows")) == fmt::to_string(expected) + "-9223372036854775808 7");
 }
 
 TEST_F(Written, JsonIsADocumentPerLineWithTheRowsOfTheCsv) {
