@@ -5,7 +5,6 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
-#include <cmath>
 #include <stdexcept>
 #include <vector>
 
@@ -21,13 +20,17 @@ struct Edit {
   std::string text;
 };
 
-std::string rounded(double value, double parts) {
-  return number_text(std::round(value * parts) / parts + 0.0);
+/// Without an exponent: 1e-05 is a text in YAML 1.1.
+std::string rounded(double value, int digits) {
+  std::string number = printed("%.*f", digits, value);
+  number.erase(number.find_last_not_of('0') + 1);
+  if (number.back() == '.') number.pop_back();
+  return number == "-0" ? "0" : number;
 }
 
-std::string list_of(const Eigen::Vector3d& values, double parts) {
-  return "[" + rounded(values.x(), parts) + ", " + rounded(values.y(), parts) + ", " +
-         rounded(values.z(), parts) + "]";
+std::string list_of(const Eigen::Vector3d& values, int digits) {
+  return "[" + rounded(values.x(), digits) + ", " + rounded(values.y(), digits) + ", " +
+         rounded(values.z(), digits) + "]";
 }
 
 /// What separates two keys of a mapping, in braces or on lines of their own that begin below `at`.
@@ -50,11 +53,11 @@ Edit list_edit(const std::string& text, const YAML::Node& old, const std::string
 void add_pose_edits(const std::string& text, const YAML::Node& old, const std::string& sensor,
                     const Pose& pose, std::vector<Edit>& edits) {
   const YAML::Node rpy = old["rpy"], rpy_deg = old["rpy_deg"];
-  const std::string degrees = list_of(rpy_of(pose) * deg_per_rad, 1e3);
-  edits.push_back(list_edit(text, old["xyz"], sensor, list_of(pose.translation(), 1e4)));
+  const std::string degrees = list_of(rpy_of(pose) * deg_per_rad, 3);
+  edits.push_back(list_edit(text, old["xyz"], sensor, list_of(pose.translation(), 4)));
   const bool flow = text[static_cast<std::size_t>(old.Mark().pos)] == '{';
   if (rpy)
-    edits.push_back(list_edit(text, rpy, sensor, list_of(rpy_of(pose), 1e6)));
+    edits.push_back(list_edit(text, rpy, sensor, list_of(rpy_of(pose), 6)));
   else if (rpy_deg)
     edits.push_back(list_edit(text, rpy_deg, sensor, degrees));
   else
@@ -63,7 +66,7 @@ void add_pose_edits(const std::string& text, const YAML::Node& old, const std::s
 
 /// The offset in place of the old one, or as a key before `pose`.
 Edit time_offset_edit(const std::string& text, const YAML::Node& sensor, double offset) {
-  const std::string number = rounded(offset, 1e5);
+  const std::string number = rounded(offset, 5);
   if (const YAML::Node old = sensor["time_offset"]) {
     const auto from = static_cast<std::size_t>(old.Mark().pos);
     return {from, from + old.Scalar().size(), number};

@@ -49,6 +49,12 @@ TEST(PoseEdit, WritesATimeOffsetInPlaceOfTheOldOneOrBesideThePose) {
       "1.570796]}  # tape\n");
 }
 
+TEST(PoseEdit, WritesSmallNumbersWithoutAnExponent) {
+  EXPECT_EQ(with_mounts("sensors: {a: {pose: {xyz: [0, 0, 0], rpy_deg: [0, 0, 0]}}}",
+                        {{"a", {make_pose({-0.0001, 0, 0.00001}, {0, 0, 0}), 0.00002}}}),
+            "sensors: {a: {time_offset: 0.00002, pose: {xyz: [-0.0001, 0, 0], rpy_deg: [0, 0, 0]}}}");
+}
+
 TEST(PoseEdit, NamesTheLineOfAPoseThatItCannotReplace) {
   try {
     with_mounts("sensors:\n  a:\n    pose:\n      xyz:\n        - 0\n        - 0\n        - 0\n",
