@@ -261,7 +261,17 @@ std::string Pipeline::why_missing(const std::string& topic) const {
   for (const auto& output : outputs_) {
     if (!output->publishes(topic)) continue;
     const DiagnosticItem item = output->diagnostics(now, false);
-    return item.health == Health::ok ? "" : item.message;
+    std::string why = item.health == Health::ok ? "" : item.message;
+    const auto sources = output->sources();
+    for (const auto& sensor : sensors_) {
+      const SensorReport report = sensor->report();
+      const std::string& name = sensor->config().name;
+      if (!item.awaited || report.counters.frames > 0 ||
+          std::find(sources.begin(), sources.end(), name) == sources.end())
+        continue;
+      why += "; " + name + ": " + sensor_health(sensor->config(), report, unknown_senders_, now).message;
+    }
+    return why;
   }
   for (const auto& sensor : sensors_) {
     for (const OutputTopic& own : sensor_topics(sensor->config())) {

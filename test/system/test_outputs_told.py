@@ -63,19 +63,19 @@ def all_well(tmp):
 
 def reasons(tmp):
     expect_none(replay(tmp, config(tmp, UNPLACED, RIGHT, outputs="merged_scans: {one: {laserscan_topics: front_left}}\n")),
-                "one", "no pose for source front_left", "configure it")
-    expect_none(replay(tmp, config(tmp, FRONT, AWAY)), "front_right/scan", "nothing came from 192.168.0.99 to port 6060",
+                "one", "pose of front_left", "configure it")
+    expect_none(replay(tmp, config(tmp, FRONT, AWAY)), "front_right/scan", "nothing received from 192.168.0.99 to port 6060",
                 "192.168.0.22", "correct ip_address?")
     expect_none(replay(tmp, config(tmp, AWAY, outputs="merged_scans: {one: {laserscan_topics: front_right}}\n")),
-                "one", "source front_right gave no scans", "192.168.0.99")
+                "one", "no input", "front_right: nothing received from 192.168.0.99")
     expect_none(replay(tmp, config(tmp, FRONT, REAR, outputs="merged_scans: {one: {laserscan_topics: rear}}\n")), "one",
-                "source rear gave no scans", "/rear/scan")
+                "no input", "rear: ", "/rear/scan")
     frames = "virtual_scans: {levels: {cloud_topic: roof, virtual_laser_scan: [low, high], poses: {low: {xyz: [0, 0, 1]}}}}\n"
     replayed = replay(tmp, config(tmp, ROOF, outputs=frames))
     expect_none(replayed, "high", "pose of high")
     expect(replayed[1]["low"][0] > 10, f"the other frame comes: {replayed}")
     wrong = ROOF.replace("vlp16", "vls128")
-    expect_none(replay(tmp, config(tmp, wrong)), "roof/points", "no packet could be used", "VLS-128")
+    expect_none(replay(tmp, config(tmp, wrong)), "roof/points", "this is a VLP-16", "not a VLS-128")
     expect_none(replay(tmp, config(tmp, ROOF), DEMO, "--duration", "0.04"), "roof/points", "only about 0.4 of a frame")
 
 
@@ -83,7 +83,7 @@ def without_a_source(tmp):
     """An output that comes without one of its sources is reported, but no failure."""
     code, table, text = replay(tmp, config(tmp, FRONT, REAR, outputs="merged_scans: {one: {laserscan_topics: [front_left, rear]}}\n"))
     expect(code == 0 and table["one"][0] > 50, text)
-    expect("source rear gave no scans" in table["one"][2] and "none" not in table["one"][2], f"{table}")
+    expect("without rear; rear: nothing received" in table["one"][2] and "none" not in table["one"][2], f"{table}")
 
 
 def without_returns(capture):

@@ -57,7 +57,7 @@ TEST(Sinks, APipelineTellsOfEveryTopicWhatCameAndWhyNothingCame) {
   EXPECT_EQ(reports[0].name, "both");
   EXPECT_GE(reports[0].messages, 1U);
   Pipeline silent(config, none, sink);
-  EXPECT_EQ(silent.output_report()[0].remark, "no output: no input has come in yet");
+  EXPECT_EQ(silent.output_report()[0].remark.find("no output: no input has come in yet; a: "), 0U);
 }
 
 }  // namespace
