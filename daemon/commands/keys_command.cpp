@@ -162,10 +162,9 @@ int run_keys(KeysFormat format, std::ostream& out) {
   }
   if (format == KeysFormat::markdown)
     out << "# Configuration keys\n\n"
-           "Printed by `lidard keys --markdown` from the tables that the parser reads. Lengths are in m, "
-           "times "
-           "in s, angles in rad.\n`[live]`: can be changed while the daemon runs, with "
-           "dynamic_reconfigure.\n";
+           "Printed by `lidard keys --markdown` from the tables that the parser reads. "
+           "Lengths are in m, times in s, angles in rad.\n"
+           "`[live]`: can be changed while the daemon runs, with dynamic_reconfigure.\n";
   print_text(format, out);
   return 0;
 }

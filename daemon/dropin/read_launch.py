@@ -4,7 +4,7 @@
 """What a launch file or a parameter file asks for, as JSON for `lidard import`.
 
 roslaunch itself resolves arguments, conditions, includes and names. Nothing is started: a <param command="..."> and a
-<rosparam command="dump"> would run a program or write a file, so they are left out and told.
+<rosparam command="dump"> would run a program or write a file, so they are left out and reported.
 """
 import json
 import os

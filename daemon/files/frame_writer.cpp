@@ -11,9 +11,8 @@
 namespace lidard {
 namespace {
 
-/// Rows of numbers, as CSV or as JSON: one document per frame, each in a line of its own, {"frame",
-/// "stamp_ns",
-/// ..., "columns": [names], "rows": [[...], ...]}.
+/// Rows of numbers, as CSV or as JSON. JSON has one document per frame, each in a line of its own: properties
+/// of the frame such as "stamp_ns", "columns": [names], "rows": [[...], ...].
 class TableWriter final : public FrameWriter {
  public:
   TableWriter(const std::string& path, StampColumn stamps, bool json)
