@@ -20,8 +20,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Number of events in the overview.
-constexpr std::size_t newest_events = 10;
+/// Number of events in the overview, and its width: that of a plain terminal.
+constexpr std::size_t newest_events = 10, overview_width = 80;
 
 const char* name_of(Health health) {
   switch (health) {
@@ -92,28 +92,35 @@ std::string figure(const Json& value, int digits) {
   return fmt::format("{:.{}f}", value.get<double>(), digits);
 }
 
-void print_events(const Json& events, std::ostream& out) {
+/// In the overview without year and milliseconds.
+void print_events(const Json& events, std::ostream& out, bool is_overview) {
   TextTable table{{"AT (UTC)", "LEVEL", "SOURCE", "WHAT"}};
   for (const Json& event : events) {
-    std::string text = cell(event["text"]);
+    std::string at = cell(event["at"]), text = cell(event["text"]);
+    if (is_overview) at = at.substr(5, 5) + " " + at.substr(11, 8);
     if (event["count"] > 1)
       text += fmt::format(" ({} times since {})", event["count"].get<std::uint64_t>(),
                           cell(event["first"]).substr(11, 8));
-    table.push_back({cell(event["at"]), cell(event["level"]), cell(event["source"]), text});
+    table.push_back({at, cell(event["level"]), cell(event["source"]), text});
   }
-  print_columns(table, out);
+  print_columns(table, out, is_overview ? overview_width : 0);
 }
 
 void print_topics(const Json& all, std::ostream& out) {
-  TextTable table{{"TOPIC", "FRAMES", "DROPPED", "RATE/S", "GAP MS", "LATENCY MS P50/P99/MAX"}};
+  // The figures are one cell, so that the line of a long name does not break up between them.
+  constexpr const char* figures = "{:>9} {:>7} {:>6} {:>13} {:>18}";
+  TextTable table{{"TOPIC", fmt::format(figures, "FRAMES", "DROPPED", "RATE/S", "GAP MS", "LATENCY MS")},
+                  {"", fmt::format(figures, "", "", "", "MIN-MAX", "P50/P99/MAX")}};
   for (const Json& topic : all) {
     const Json &gap = topic["gap_ms"], &latency = topic["latency_ms"];
     table.push_back(
-        {cell(topic["topic"]), cell(topic["frames"]), cell(topic["dropped"]), figure(topic["rate_hz"], 1),
-         figure(gap["min"], 1) + "-" + figure(gap["max"], 1),
-         figure(latency["p50"], 2) + "/" + figure(latency["p99"], 2) + "/" + figure(latency["max"], 2)});
+        {cell(topic["topic"]),
+         fmt::format(
+             figures, cell(topic["frames"]), cell(topic["dropped"]), figure(topic["rate_hz"], 1),
+             figure(gap["min"], 1) + "-" + figure(gap["max"], 1),
+             figure(latency["p50"], 2) + "/" + figure(latency["p99"], 2) + "/" + figure(latency["max"], 2))});
   }
-  print_columns(table, out);
+  print_columns(table, out, overview_width);
 }
 
 /// Returns false if an item is in error.
@@ -129,12 +136,12 @@ bool print_status(const Json& said, std::ostream& out) {
     items.push_back({cell(item["level"]), cell(item["name"]), cell(item["message"])});
     fine = fine && item["level"] != name_of(Health::error);
   }
-  print_columns(items, out);
+  print_columns(items, out, overview_width);
   out << '\n';
   print_topics(said["topics"], out);
   if (said["events"].empty()) return fine;
   out << '\n';
-  print_events(said["events"], out);
+  print_events(said["events"], out, true);
   return fine;
 }
 
@@ -222,7 +229,7 @@ int run_events(const StatusOptions& options, std::ostream& out, std::ostream& er
     const Json said = Json::parse(answer);
     if (const auto forgotten = said["forgotten"].get<std::uint64_t>(); forgotten > 0)
       out << forgotten << " earlier events are forgotten\n";
-    print_events(said["events"], out);
+    print_events(said["events"], out, false);
     return exit_ok;
   });
 }

@@ -6,6 +6,9 @@
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "daemon/files/text_table.h"
 
 namespace lidard {
 namespace {
@@ -65,6 +68,31 @@ TEST(Events, AreAllThatTheJournalHas) {
   EXPECT_EQ(said["forgotten"], 3);
   EXPECT_EQ(said["events"].size(), Journal::most_events);
   EXPECT_EQ(said["events"][0]["level"], "OK");
+}
+
+/// The lines of a table in so many columns.
+std::vector<std::string> lines_of(const TextTable& table, std::size_t width) {
+  std::stringstream out;
+  print_columns(table, out, width);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(out, line);) lines.push_back(line);
+  return lines;
+}
+
+TEST(Columns, OfAnOverviewKeepItsWidth) {
+  const std::string name(30, 'n'), word(100, 'w'), words = word + " a b " + word;
+  const TextTable table{{"STATE", "WHAT", "SAYS"}, {"OK", "short", "few words"}, {"ERROR", name, words}};
+  const auto lines = lines_of(table, 80);
+  std::string said;
+  for (const std::string& line : lines) {
+    EXPECT_LE(line.size(), 80U) << line;
+    for (const char c : line) said += c == ' ' ? "" : std::string(1, c);
+  }
+  EXPECT_EQ(said, "STATEWHATSAYSOKshortfewwordsERROR" + name + word + "ab" + word) << "nothing is cut off";
+  EXPECT_EQ(lines[1], "OK     short                  few words");
+  EXPECT_EQ(lines[2], "ERROR  " + name) << "a long name has a line of its own";
+  EXPECT_EQ(lines[3], std::string(30, ' ') + word.substr(0, 50));
+  EXPECT_EQ(lines_of(table, 0).size(), 3U) << "without a width one line for each row";
 }
 
 TEST(Metrics, EscapeNamesAsPrometheusWantsIt) {
