@@ -103,7 +103,7 @@ void print_events(const Json& events, std::ostream& out, bool is_overview) {
                           cell(event["first"]).substr(11, 8));
     table.push_back({at, cell(event["level"]), cell(event["source"]), text});
   }
-  print_columns(table, out, is_overview ? overview_width : 0);
+  print_columns(table, out, "", is_overview ? overview_width : 0);
 }
 
 void print_topics(const Json& all, std::ostream& out) {
@@ -120,7 +120,7 @@ void print_topics(const Json& all, std::ostream& out) {
              figure(gap["min"], 1) + "-" + figure(gap["max"], 1),
              figure(latency["p50"], 2) + "/" + figure(latency["p99"], 2) + "/" + figure(latency["max"], 2))});
   }
-  print_columns(table, out, overview_width);
+  print_columns(table, out, "", overview_width);
 }
 
 /// Returns false if an item is in error.
@@ -136,7 +136,7 @@ bool print_status(const Json& said, std::ostream& out) {
     items.push_back({cell(item["level"]), cell(item["name"]), cell(item["message"])});
     fine = fine && item["level"] != name_of(Health::error);
   }
-  print_columns(items, out, overview_width);
+  print_columns(items, out, "", overview_width);
   out << '\n';
   print_topics(said["topics"], out);
   if (said["events"].empty()) return fine;

@@ -35,21 +35,23 @@ inline TextTable table_of(const nlohmann::ordered_json& list, const std::vector<
   return table;
 }
 
-/// Prints a table in columns as wide as their longest cell. With `width`, no line is longer: the last cell
-/// goes on in further lines, and a cell of more than 21 characters has a line of its own.
-inline void print_columns(const TextTable& table, std::ostream& out, std::size_t width = 0) {
+/// Prints a table in columns as wide as their longest cell; each line begins with `prefix`. With `width`, no
+/// line is longer: the last cell goes on in further lines, and a cell of more than 21 characters has a line of
+/// its own.
+inline void print_columns(const TextTable& table, std::ostream& out, const std::string& prefix = "",
+                          std::size_t width = 0) {
   constexpr std::size_t widest = 21;
-  std::vector<std::size_t> begins(table.front().size(), 0);
+  std::vector<std::size_t> begins(table.front().size(), prefix.size());
   for (std::size_t i = 0; i + 1 < begins.size(); ++i) {
     std::size_t longest = 0;
     for (const auto& row : table) longest = std::max(longest, row[i].size());
     begins[i + 1] = begins[i] + (width > 0 ? std::min(longest, widest) : longest) + 2;
   }
   for (const auto& row : table) {
-    std::string line;
+    std::string line = prefix;
     const auto end_line = [&] {
       out << line.substr(0, line.find_last_not_of(' ') + 1) << '\n';
-      line.clear();
+      line = prefix;
     };
     for (std::size_t i = 0; i < row.size(); ++i) {
       if (i > 0 && line.size() + 2 > begins[i]) end_line();

@@ -73,7 +73,7 @@ TEST(Events, AreAllThatTheJournalHas) {
 /// The lines of a table in so many columns.
 std::vector<std::string> lines_of(const TextTable& table, std::size_t width) {
   std::stringstream out;
-  print_columns(table, out, width);
+  print_columns(table, out, "", width);
   std::vector<std::string> lines;
   for (std::string line; std::getline(out, line);) lines.push_back(line);
   return lines;
