@@ -43,7 +43,7 @@ class Journal {
   std::uint64_t forgotten() const { return forgotten_; }
 
   static constexpr std::size_t most_events = 1000;
-  static constexpr std::size_t most_logged = 10;
+  static constexpr std::size_t most_logged = 5;
 
  private:
   struct Known {

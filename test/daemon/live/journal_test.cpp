@@ -143,7 +143,7 @@ TEST(Journal, TellsOfASourceThatFlapsThatItDoesAndCountsTheRest) {
   ASSERT_EQ(bench.journal.events().size(), 2U);
   EXPECT_EQ(bench.journal.events()[0].count, 10U);
   bench.see(20, Health::warn, "contact");
-  ASSERT_EQ(bench.told.size(), 2 * Journal::most_logged) << "ten of each sentence";
+  ASSERT_EQ(bench.told.size(), 2 * Journal::most_logged) << "all of each sentence";
   EXPECT_NE(bench.told.back().text.find("to and fro"), std::string::npos);
   bench.see(20.5, Health::warn, "other", "rear");
   EXPECT_EQ(bench.told.back().source, "rear") << "others are heard";
