@@ -42,7 +42,9 @@ class Flattener {
   /// Drops points inside the vehicle's outline (in the output frame).
   void set_footprint(const Footprint& footprint) { own_ = footprint; }
 
-  bool is_own(const Eigen::Vector3d& point) const { return own_.contains(point.head<2>()); }
+  bool is_own(const Eigen::Vector3d& point) const {
+    return !own_.empty() && own_.contains(point.head<2>());
+  }
 
   const ScanGrid& grid() const { return raster_.grid(); }
 
@@ -55,7 +57,7 @@ class Flattener {
     for (std::size_t i = 0; i < count_; ++i) {
       x[i] = static_cast<float>(x_[i]);
       y[i] = static_cast<float>(y_[i]);
-      ranges[i] = static_cast<float>(std::sqrt(x_[i] * x_[i] + y_[i] * y_[i]));
+      ranges[i] = std::sqrt(x[i] * x[i] + y[i] * y[i]);
     }
     raster_.positions(x.data(), y.data(), count_, beams.data());
     for (std::size_t i = 0; i < count_; ++i) {

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "core/base/angle.h"
+#include "core/base/clones.h"
 
 namespace lidard {
 namespace {
@@ -40,7 +41,7 @@ bool FreeSpaceMap::find_run(std::size_t cell, std::size_t length, RunAt& at) con
   return true;
 }
 
-void FreeSpaceMap::find_runs() {
+LIDARD_CLONES void FreeSpaceMap::find_runs() {
   const std::size_t row = size() + longest_run;
   if (size() == 0) return;
   std::copy_n(runs_.begin(), longest_run, runs_.begin() + static_cast<std::ptrdiff_t>(size()));
@@ -131,7 +132,8 @@ std::uint16_t FreeSpaceMap::cell_towards(float dx, float dy) const {
   return static_cast<std::uint16_t>(cell < size() ? cell : 0);
 }
 
-void FreeSpaceMap::find_places(const float* x, const float* y, std::size_t count, Place* places) const {
+LIDARD_CLONES void FreeSpaceMap::find_places(const float* x, const float* y, std::size_t count,
+                                             Place* places) const {
   const float at_x = x_, at_y = y_, per_rad = per_rad_, per_meter = per_meter_;
   const auto cells = static_cast<std::int32_t>(size());
   // The results equal those of place_of(); the loop is vectorised.

@@ -209,15 +209,6 @@ void place_moving(const BeamRays& rays, const SweepMotion& motion, PlacedScan& s
 
 }  // namespace
 
-bool SourceSettings::wants(const PlanarScan& scan, std::size_t i) const {
-  const auto range = static_cast<double>(scan.ranges[i]);
-  if (range < range_min || range > range_max) return false;
-  if (std::isinf(angle_min) && std::isinf(angle_max)) return true;
-  const double angle = static_cast<double>(scan.angle_min) +
-                       static_cast<double>(i % scan.beams) * static_cast<double>(scan.angle_increment);
-  return angle >= angle_min && angle <= angle_max;
-}
-
 void measure(const PlanarScan& scan, const BeamRays& rays, const SourceSettings& settings,
              PlacedScan& sweep) {
   Conditioner(scan, rays, settings, sweep).run();

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <vector>
@@ -29,7 +30,14 @@ struct SourceSettings {
   bool veil_filter = true;
 
   /// True if hit `i` of a scan lies in the windows of range and angle.
-  bool wants(const PlanarScan& scan, std::size_t i) const;
+  bool wants(const PlanarScan& scan, std::size_t i) const {
+    const auto range = static_cast<double>(scan.ranges[i]);
+    if (range < range_min || range > range_max) return false;
+    if (std::isinf(angle_min) && std::isinf(angle_max)) return true;
+    const double angle = static_cast<double>(scan.angle_min) +
+                         static_cast<double>(i % scan.beams) * static_cast<double>(scan.angle_increment);
+    return angle >= angle_min && angle <= angle_max;
+  }
 };
 
 /// What the return of a beam is. `mixed_pixel`: it lies between two surfaces, where no surface is

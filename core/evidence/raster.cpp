@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "core/base/angle.h"
+#include "core/base/clones.h"
 
 namespace lidard {
 namespace {
@@ -63,7 +64,7 @@ Raster::Raster(const ScanGrid& grid)
 
 float Raster::position(float x, float y) const { return beams_to(x, y, first_, per_rad_, turn_); }
 
-void Raster::positions(const float* x, const float* y, std::size_t count, float* at) const {
+LIDARD_CLONES void Raster::positions(const float* x, const float* y, std::size_t count, float* at) const {
   const float first = first_, per_rad = per_rad_, turn = turn_;
   for (std::size_t i = 0; i < count; ++i) at[i] = beams_to(x[i], y[i], first, per_rad, turn);
 }

@@ -8,6 +8,7 @@
 
 #include "core/base/angle.h"
 #include "core/base/bytes.h"
+#include "core/base/clones.h"
 
 namespace lidard {
 namespace {
@@ -26,7 +27,7 @@ constexpr std::size_t block = 512;
 
 }  // namespace
 
-void CutEvidence::mark_beams() {
+LIDARD_CLONES void CutEvidence::mark_beams() {
   const std::size_t cells = view_->heights().size();
   resize_amply(cells, own_marks_, marks_);
   const Beam* const kinds = view_->grid().kind.data();
@@ -53,8 +54,9 @@ void CutEvidence::mark_beams() {
   mark_agreed(own + cells - column, own + cells - 2 * column, own, marks + cells - column, column);
 }
 
-void CutEvidence::mark_agreed(const std::uint8_t* own, const std::uint8_t* before, const std::uint8_t* after,
-                              std::uint8_t* marks, std::size_t count) {
+LIDARD_CLONES void CutEvidence::mark_agreed(const std::uint8_t* own, const std::uint8_t* before,
+                                            const std::uint8_t* after, std::uint8_t* marks,
+                                            std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) {
     const int blocked = (before[i] & ~(before[i] >> 1) & known) | (after[i] & ~(after[i] >> 1) & known);
     const int met = (before[i] | after[i]) & meets & (own[i] << 1);
@@ -158,8 +160,8 @@ void CutEvidence::claim(Cell& cell, const Piece& piece) const {
     free = {both(free[0], free[1]), Piece{}};
 }
 
-void CutEvidence::find_azimuths(const std::vector<Wedge>& wedges, std::uint32_t Wedge::*beam,
-                                std::vector<float>& azimuths) {
+LIDARD_CLONES void CutEvidence::find_azimuths(const std::vector<Wedge>& wedges, std::uint32_t Wedge::*beam,
+                                              std::vector<float>& azimuths) {
   const std::size_t n = wedges.size();
   for (auto* list : {&x_, &y_, &azimuths}) list->resize(n);
   float* const x = x_.data();

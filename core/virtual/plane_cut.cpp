@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/base/bytes.h"
+#include "core/base/clones.h"
 
 namespace lidard {
 namespace {
@@ -56,7 +57,7 @@ PlaneCut::Between PlaneCut::between_rings(std::size_t column, std::size_t upper)
   return face ? Between::nothing : Between::top;
 }
 
-void PlaneCut::find_events() {
+LIDARD_CLONES void PlaneCut::find_events() {
   const RingGrid& grid = view_->grid();
   const std::size_t cells = grid.kind.size();
   resize_amply(cells, events_);

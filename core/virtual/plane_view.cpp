@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/base/bytes.h"
+#include "core/base/clones.h"
 
 namespace lidard {
 
@@ -22,7 +23,7 @@ void PlaneView::set_cloud(const RingGrid& grid, const Ground& ground, const Ring
   resize_amply(cells + grid.rings(), sides_);
 }
 
-void PlaneView::set_frame(const Pose& virtual_from_cloud) {
+LIDARD_CLONES void PlaneView::set_frame(const Pose& virtual_from_cloud) {
   const Eigen::Matrix3f rotation = virtual_from_cloud.linear().cast<float>();
   if (!is_turned_ || rotation != rotation_) turn(rotation);
   translation_ = virtual_from_cloud.translation().cast<float>();
@@ -33,7 +34,7 @@ void PlaneView::set_frame(const Pose& virtual_from_cloud) {
   for (std::size_t i = 0; i < cells; ++i) to[i] = rises[i] + offset;
 }
 
-void PlaneView::turn(const Eigen::Matrix3f& r) {
+LIDARD_CLONES void PlaneView::turn(const Eigen::Matrix3f& r) {
   is_turned_ = true;
   rotation_ = r;
   rise_ = r.row(2).dot(up_);
@@ -51,7 +52,7 @@ void PlaneView::turn(const Eigen::Matrix3f& r) {
   }
 }
 
-void PlaneView::set_level(float level) {
+LIDARD_CLONES void PlaneView::set_level(float level) {
   level_ = level;
   const std::size_t cells = heights_.size();
   const float* const heights = heights_.data();
@@ -119,7 +120,7 @@ void PlaneTops::find(const PlaneView& view) {
   }
 }
 
-void PlaneTops::mark_steps(const PlaneView& view) {
+LIDARD_CLONES void PlaneTops::mark_steps(const PlaneView& view) {
   const std::size_t cells = steps_.size();
   const std::uint8_t* const sides = view.sides().data();
   const Beam* const kinds = view.grid().kind.data();
