@@ -99,6 +99,7 @@ void Visibility::compute() {
   for (FreeSpaceMap& map : maps_) map.find_runs();
   find_ends();
   find_open_wedges();
+  seen_from_ = 0;
   for (std::size_t beam = 0; beam < beams(); ++beam) states_[beam] = decide(beam);
 }
 
@@ -347,22 +348,31 @@ bool Visibility::cross_step(Walk& walk, std::size_t step, bool from_body, bool c
 }
 
 /// Of a way that begins where one place is blind: from where on some source sees it to be free.
-float Visibility::seen_from(std::size_t beam) const {
+float Visibility::seen_from(std::size_t beam) {
+  const auto is_seen = [&](std::size_t step) {
+    std::size_t s = 0;
+    const auto sees = [&](const FreeSpaceMap& map, std::size_t row) {
+      return map.size() > 0 && map.is_free(table_.place(beam, row, step), table_.place(beam, row, step + 1));
+    };
+    while (s < observing_ && !sees(maps_[s], row_of(s))) ++s;
+    return s < observing_;
+  };
   const std::size_t end = table_.step_at(blind_to_[beam]);
-  for (std::size_t m = begin_[beam] > 0 ? table_.step_at(begin_[beam]) + 1 : 0; m < end; ++m) {
-    for (std::size_t s = 0; s < observing_; ++s) {
-      const std::size_t row = row_of(s);
-      if (maps_[s].size() > 0 && maps_[s].is_free(table_.place(beam, row, m), table_.place(beam, row, m + 1)))
-        return table_.edge(m);
-    }
-  }
-  return blind_to_[beam];
+  const std::size_t first = begin_[beam] > 0 ? table_.step_at(begin_[beam]) + 1 : 0;
+  // Mostly it is where that of the beam before was.
+  std::size_t m = std::min(std::max(first, seen_from_), end);
+  while (m < end && !is_seen(m)) ++m;
+  if (m == end) m = first;
+  while (m < end && !is_seen(m)) ++m;
+  while (m > first && m < end && is_seen(m - 1)) --m;
+  seen_from_ = m;
+  return m < end ? table_.edge(m) : blind_to_[beam];
 }
 
 BeamState Visibility::decide(std::size_t beam) {
   if (!has_hit(beam)) return is_covered(beam, observing_) ? BeamState::free : BeamState::unobserved;
   if (!is_covered(beam, maps_.size())) return BeamState::gap;
-  if (rows_ > 1 && blind_to_[beam] > 0) blind_to_[beam] = seen_from(beam);
+  if (blind_to_[beam] > 0) blind_to_[beam] = seen_from(beam);
   bool seen = ways_[beam] <= begin_[beam];
   for (std::size_t s = 0; s < maps_.size() && !seen; ++s)
     seen = maps_[s].size() > 0 && maps_[s].is_free(way_ends_[row_of(s)][beam]);

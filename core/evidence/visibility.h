@@ -47,8 +47,9 @@ class Visibility {
   }
   /// For what is no sweep: `places` places, from each of which an equal number of sources looks, in turns:
   /// source s looks from place s modulo `places`. The first `observing` sources are what is seen to be free.
-  /// Then comes from each place what no beam can see from there; the others are free more likely than not: a
-  /// surface counts although the way to it leads through, but no beam is free that does.
+  /// Then comes from each place what no beam can see from there, with the free way that follows; the others
+  /// are free more likely than not: a surface counts although the way to it leads through, but no beam is
+  /// free that does.
   void set_places(std::size_t places, std::size_t observing);
   /// Where place `place` is, m in the output's plane; the columns of its sources are `width` rad apart.
   void set_place(std::size_t place, float x, float y, double width);
@@ -116,7 +117,7 @@ class Visibility {
   /// True if part `part` of a step, from `from` m to walk.at, may stay unseen.
   bool accept_unseen(Walk& walk, float from, std::size_t part);
   bool is_open_to_some(const Walk& walk, std::size_t part) const;
-  float seen_from(std::size_t beam) const;
+  float seen_from(std::size_t beam);
   bool is_seen_all_along(std::size_t beam) const;
   FreeSpaceMap::Place place_at(std::size_t source, std::size_t beam, float range) const {
     return maps_[source].place_of(range * raster_.cosine(beam), range * raster_.sine(beam));
@@ -133,7 +134,8 @@ class Visibility {
   std::size_t observing_;           // maps of what is seen to be free; the next ones are what cannot be seen
   std::size_t rows_;                // of the table: one for each place from which sources look
   std::vector<std::size_t> row_of_;
-  std::size_t witness_ = 0;  // the source that saw the farthest part of the last way walked
+  std::size_t witness_ = 0;    // the source that saw the farthest part of the last way walked
+  std::size_t seen_from_ = 0;  // the step from which on the last way was seen
   RangeLayer nearest_;
   RangeLayer mixed_pixels_;
   /// Where a beam leads through the vehicle; this part need not be observed.

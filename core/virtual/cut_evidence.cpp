@@ -340,7 +340,10 @@ void CutEvidence::find(const PlaneView& view, const PlaneTops& tops, HeightBand 
       const Piece& piece = cells_[k].free[p].exists() ? cells_[k].free[p] : cells_[k].free[0];
       if (piece.exists()) free[p]->claim(k, piece.from, piece.to, piece.hides);
     }
-    if (cells_[k].blind.to > 0) blind.claim(k, 0, cells_[k].blind.to, cells_[k].blind.hides);
+    const Piece& unseen = cells_[k].blind;
+    const Piece& nearest = cells_[k].free[0];
+    const Piece& last = nearest.from <= unseen.to && nearest.to > unseen.to ? nearest : unseen;
+    if (unseen.to > 0) blind.claim(k, 0, last.to, last.hides);
     if (cells_[k].over.exists()) over.claim(k, cells_[k].over.from, cells_[k].over.to);
   }
 }

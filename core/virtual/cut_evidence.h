@@ -34,8 +34,9 @@ class CutEvidence {
 
   /// Fills the maps with the evidence for the view's plane; `tops` belong to that plane. Free pieces end at
   /// objects between the heights of `band` (returns from the ground excluded). `over`: ways over objects
-  /// whose tops lie between two beams and likely beneath the plane. The maps must be set to the sensor's
-  /// place.
+  /// whose tops lie between two beams and likely beneath the plane. A free piece that begins where the blind
+  /// part ends joins the blind part in `blind`: one map shows the whole way to a surface. The maps must be
+  /// set to the sensor's place.
   void find(const PlaneView& view, const PlaneTops& tops, HeightBand band,
             const std::array<FreeSpaceMap*, pieces>& free, FreeSpaceMap& blind, FreeSpaceMap& over);
 
