@@ -32,7 +32,6 @@ void FreeSpaceMap::set(float x, float y, double beam_width, double unit) {
   // After the last cell the first cells follow again.
   runs_.assign(run_lengths * (size() + longest_run), {});
   slots_.clear();
-  first_slot_.assign(1, 0);
 }
 
 bool FreeSpaceMap::find_run(std::size_t cell, std::size_t length, RunAt& at) const {
@@ -149,20 +148,22 @@ LIDARD_CLONES void FreeSpaceMap::find_places(const float* x, const float* y, std
 
 /// Adds the cells whose middle lies between the direction of a beam and its border to a neighbour, both in
 /// cells from -pi.
-void FreeSpaceMap::add_slots(double beam, double border, bool after) {
+void FreeSpaceMap::add_slots(std::size_t beam, std::size_t neighbour, std::size_t link, double at,
+                             double border) {
   const auto count = static_cast<double>(size());
-  const double width = 2 * std::fabs(border - beam);
-  const double to = std::max(beam, border);
-  for (double cell = std::ceil(std::min(beam, border) - 0.5); cell + 0.5 < to; ++cell) {
+  const double width = 2 * std::fabs(border - at);
+  const double to = std::max(at, border);
+  for (double cell = std::ceil(std::min(at, border) - 0.5); cell + 0.5 < to; ++cell) {
     const double inside = cell - count * std::floor(cell / count);
-    slots_.push_back({static_cast<std::uint16_t>(inside), after,
-                      static_cast<float>(std::fabs(cell + 0.5 - beam) / width)});
+    slots_.push_back({static_cast<std::uint16_t>(inside),
+                      static_cast<float>(std::fabs(cell + 0.5 - at) / width),
+                      static_cast<std::uint32_t>(beam), static_cast<std::uint32_t>(neighbour),
+                      static_cast<std::uint32_t>(link)});
   }
 }
 
 void FreeSpaceMap::place_beams(const float* dx, const float* dy, std::size_t beams) {
   slots_.clear();
-  first_slot_.assign(1, 0);
   if (beams == 0) return;
   const auto azimuth = [&](std::size_t beam) { return fast_atan2(dy[beam], dx[beam]); };
   const auto step_from = [&](std::size_t beam) {
@@ -171,6 +172,7 @@ void FreeSpaceMap::place_beams(const float* dx, const float* dy, std::size_t bea
     return std::fabs(step) > widest_step ? 0.0F : step;
   };
   const auto per_rad = static_cast<double>(per_rad_);
+  const std::size_t last = beams - 1;  // linked to none
   double at = (static_cast<double>(azimuth(0)) + pi_d) * per_rad;
   double step = static_cast<double>(step_from(0)) * per_rad;
   // The outer halves of the first and the last beam are as wide as their inner halves. Both beams at a border
@@ -178,46 +180,41 @@ void FreeSpaceMap::place_beams(const float* dx, const float* dy, std::size_t bea
   double border = at - step / 2;
   half_beam_ = static_cast<float>(step / 2);
   for (std::size_t beam = 0; beam < beams; ++beam) {
-    add_slots(at, border, false);
-    if (beam + 1 < beams) step = static_cast<double>(step_from(beam)) * per_rad;
+    add_slots(beam, beam > 0 ? beam - 1 : beam, beam > 0 ? beam - 1 : last, at, border);
+    if (beam < last) step = static_cast<double>(step_from(beam)) * per_rad;
     border = at + step / 2;
-    add_slots(at, border, true);
+    add_slots(beam, std::min(beam + 1, last), beam, at, border);
     at += step;
-    first_slot_.push_back(static_cast<std::uint32_t>(slots_.size()));
   }
 }
 
+void FreeSpaceMap::set_runs() {
+  for (std::size_t cell = 0; cell < size(); ++cell) runs_[cell] = run_of(starts_[cell], ends_[cell]);
+}
+
 void FreeSpaceMap::fill(const PlacedScan& sweep) {
+  starts_.assign(size(), 0);
+  ends_.assign(size(), -1);
+  hides_.assign(size(), 0);
   if (sweep.moved) {
     fill_moved(sweep);
-    return;
+    return set_runs();
   }
-  clear();
-  const std::size_t beams = first_slot_.size() - 1;
-  for (std::size_t beam = 0; beam < beams; ++beam) {
-    const float to = sweep.free_to[beam];
-    const char hides = sweep.kind[beam] != Return::nothing ? 1 : 0;
-    const bool to_next = sweep.linked[beam] != 0;
-    const bool to_previous = beam > 0 && sweep.linked[beam - 1] != 0;
-    for (std::uint32_t s = first_slot_[beam]; s < first_slot_[beam + 1]; ++s) {
-      const Slot& slot = slots_[s];
-      const bool alone = slot.after ? beam + 1 == beams : beam == 0;
-      const std::size_t neighbour = alone ? beam : slot.after ? beam + 1 : beam - 1;
-      const float other = sweep.free_to[neighbour];
-      float from = sweep.free_from[beam], end = to;
-      hides_[slot.cell] = hides;
-      if (slot.after ? to_next : to_previous) {
-        // The inverse of the distance changes (nearly) evenly along a straight line.
-        end = to * other / (other + slot.share * (to - other));
-      } else if (sweep.kind[neighbour] != Return::nothing && other > 0 && other < to &&
-                 slot.share > passed_share_) {
-        from = std::max(from, sweep.free_from[neighbour]);
-        end = other;
-        hides_[slot.cell] = 1;
-      }
-      runs_[slot.cell] = run_of(from, end);
-    }
+  const float *const from = sweep.free_from.data(), *const ends = sweep.free_to.data();
+  const Return* const kinds = sweep.kind.data();
+  for (const Slot& slot : slots_) {
+    const float to = ends[slot.beam], other = ends[slot.neighbour];
+    const bool linked = sweep.linked[slot.link] != 0;
+    // The neighbour's object may extend into the cell.
+    const bool cut = !linked && kinds[slot.neighbour] != Return::nothing && other > 0 && other < to &&
+                     slot.share > passed_share_;
+    // The inverse of the distance changes (nearly) evenly along a straight line.
+    const float on_line = to * other / (other + slot.share * (to - other));
+    starts_[slot.cell] = cut ? std::max(from[slot.beam], from[slot.neighbour]) : from[slot.beam];
+    ends_[slot.cell] = linked ? on_line : cut ? other : to;
+    hides_[slot.cell] = cut || kinds[slot.beam] != Return::nothing ? 1 : 0;
   }
+  set_runs();
 }
 
 void FreeSpaceMap::limit(float begin, float end, float from, float a, float b, bool hides) {
@@ -267,9 +264,6 @@ void FreeSpaceMap::fill_moved(const PlacedScan& sweep) {
   const auto count = static_cast<float>(size());
   azimuths_.resize(beams);
   lengths_.resize(beams);
-  starts_.assign(size(), 0);
-  ends_.assign(size(), -1);
-  hides_.assign(size(), 0);
   // Local copies let the loop be vectorised.
   const float per_rad = per_rad_;
   const float *const x = sweep.free_x.data(), *const y = sweep.free_y.data(),
@@ -296,7 +290,6 @@ void FreeSpaceMap::fill_moved(const PlacedScan& sweep) {
     if (step < -count / 2) step += count;
     if (std::fabs(step) < widest_step * per_rad_) limit_pair(sweep, i, step);
   }
-  for (std::size_t cell = 0; cell < size(); ++cell) runs_[cell] = run_of(starts_[cell], ends_[cell]);
 }
 
 }  // namespace lidard

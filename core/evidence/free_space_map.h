@@ -128,13 +128,13 @@ class FreeSpaceMap {
   std::size_t size() const { return hides_.size(); }
 
  private:
-  /// A cell between a beam and the border to a neighbouring beam.
+  /// A cell between a beam and the border to a neighbouring beam; beside the first and the last beam is none.
   struct Slot {
     std::uint16_t cell;
-    bool after;   // on the side of the next beam
-    float share;  // 0: in the beam's own direction
+    float share;                    // 0: in the beam's own direction
+    std::uint32_t beam, neighbour;  // the same if there is no neighbour
+    std::uint32_t link;             // PlacedScan::linked of both
   };
-  Run run_of(float from, float to) const;
   // Runs have 1, 2, 4 ... cells; two runs of the longest kind make the longest run that can be found.
   static constexpr std::size_t run_lengths = 9;
   static constexpr std::size_t longest_run = 2U << (run_lengths - 1U);
@@ -157,7 +157,10 @@ class FreeSpaceMap {
   /// Limits the free ways in cells [begin, end] (cells from -pi; either may be the larger) to lengths that
   /// change from `a` to `b`.
   void limit(float begin, float end, float from, float a, float b, bool hides);
-  void add_slots(double beam, double border, bool after);
+  void add_slots(std::size_t beam, std::size_t neighbour, std::size_t link, double at, double border);
+  Run run_of(float from, float to) const;
+  /// Converts starts_ and ends_ to runs.
+  void set_runs();
 
   float x_ = 0, y_ = 0;
   float per_meter_ = 1;
@@ -169,8 +172,7 @@ class FreeSpaceMap {
   std::vector<float> azimuths_;       // cells from -pi, of the ends of moved beams
   std::vector<float> lengths_;        // m, free ways of moved beams
   std::vector<float> starts_, ends_;  // m, of each cell's free way; end < 0: none
-  std::vector<Slot> slots_;           // by beam
-  std::vector<std::uint32_t> first_slot_;  // of each beam, and the end
+  std::vector<Slot> slots_;
 };
 
 }  // namespace lidard
