@@ -324,6 +324,7 @@ void CutEvidence::find(const PlaneView& view, const PlaneTops& tops, HeightBand 
   width_ = static_cast<float>(view.grid().step()) * per_rad_;
   rings_ = view.grid().rings();
   step_ = sign_ > 0 ? 1 : -1;
+  nearest_ring_ = sign_ > 0 ? 0 : rings_ - 1;
   corner_ = std::min(0.2F, 2 * static_cast<float>(view.grid().step()));
   mark_beams();
   ends_ = view.grid().ends.data();

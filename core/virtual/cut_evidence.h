@@ -94,7 +94,9 @@ class CutEvidence {
   /// beams of their columns.
   End thing_abreast(std::size_t last) const;
   /// The k-th beam of a column, in order away from the sensor's foot.
-  std::size_t beam(std::size_t base, std::size_t k) const { return base + (sign_ > 0 ? k : rings_ - 1 - k); }
+  std::size_t beam(std::size_t base, std::size_t k) const {
+    return base + nearest_ring_ + static_cast<std::size_t>(step_) * k;
+  }
   void find_wedges(std::size_t column);
   void end_wedge(const Ray& first, std::size_t last, std::size_t next, End thing);
   bool is_hidden(std::size_t before, std::size_t upper) const;
@@ -135,7 +137,8 @@ class CutEvidence {
   float sensor_ = 0;  // m, distance from the plane
   float sign_ = 1;
   float corner_ = 0;  // share of the range by which an object may extend towards the sensor beside its return
-  std::ptrdiff_t step_ = 1;  // from a beam to the next one away from the sensor's foot
+  std::ptrdiff_t step_ = 1;       // from a beam to the next one away from the sensor's foot
+  std::size_t nearest_ring_ = 0;  // to the sensor's foot
   HeightBand band_;
   float per_rad_ = 1;  // cells
   bool tilted_ = false;
