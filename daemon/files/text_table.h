@@ -19,9 +19,9 @@ using TextTable = std::vector<std::vector<std::string>>;
 
 /// A value of a report as one line of text; nothing known: "-".
 inline std::string cell(const nlohmann::ordered_json& value) {
-  if (value.is_null() || value == "") return "-";
   if (value.is_number_float()) return fmt::format("{:.4g}", value.get<double>());
-  return printable(value.is_string() ? value.get<std::string>() : value.dump());
+  const std::string text = value.is_string() ? value.get<std::string>() : value.is_null() ? "" : value.dump();
+  return text.empty() ? "-" : printable(text);
 }
 
 /// A list of objects as a table with a column for each of these members.
