@@ -61,9 +61,13 @@ void DeviceServer::listen() {
 
 void DeviceServer::run() {
   while (!stop_) {
-    std::array<pollfd, 2> waiting{{{listener_, POLLIN, 0}, {client_, POLLIN, 0}}};
-    if (client_ >= 0) waiting[0].fd = -1;
-    if (hangs_) waiting[1].fd = -1;
+    std::array<pollfd, 2> waiting{{{-1, POLLIN, 0}, {-1, POLLIN, 0}}};
+    {
+      // switch_off() and drop() close sockets in another thread.
+      const std::lock_guard lock(mutex_);
+      if (client_ < 0) waiting[0].fd = listener_;
+      if (!hangs_) waiting[1].fd = client_;
+    }
     ::ppoll(waiting.data(), waiting.size(), &nap, nullptr);
     const std::lock_guard lock(mutex_);
     if (client_ < 0 && listener_ >= 0) accept_client();
