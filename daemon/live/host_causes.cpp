@@ -163,8 +163,10 @@ void HostCauses::add_diagnostics(std::vector<DiagnosticItem>& items) const {
     if (rivals.empty()) continue;
     const std::string text = address.to_string();
     DiagnosticItem item{"address " + text, text};
-    item.set(Health::error, "two devices have the address " + text + ", with the hardware addresses " +
-                                rivals + "; give one of them another IP address");
+    item.set(Health::error,
+             fmt::format("two devices have the address {}, with the hardware addresses {}; give one of them "
+                         "another IP address",
+                         text, rivals));
     items.push_back(std::move(item));
   }
 }

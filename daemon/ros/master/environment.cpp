@@ -17,9 +17,10 @@
 namespace lidard {
 namespace {
 
-bool is_set(const char* variable) {
-  const char* value = std::getenv(variable);
-  return value != nullptr && *value != '\0';
+/// Empty if the variable is not set.
+std::string value_of(const char* variable) {
+  const char* const value = std::getenv(variable);
+  return value == nullptr ? "" : value;
 }
 
 bool may_write_below(const std::string& home) {
@@ -44,9 +45,9 @@ std::optional<IpAddress> address_of(const std::string& name) {
 }  // namespace
 
 std::string own_address_warning() {
-  const char* const variable = is_set("ROS_HOSTNAME") ? "ROS_HOSTNAME" : "ROS_IP";
-  if (!is_set(variable)) return {};
-  const std::string given = std::getenv(variable);
+  const char* const variable = value_of("ROS_HOSTNAME").empty() ? "ROS_IP" : "ROS_HOSTNAME";
+  const std::string given = value_of(variable);
+  if (given.empty()) return {};
   const auto address = address_of(given);
   const std::string given_address = std::string(variable) + " is " + given + ", which ";
   if (!address)
@@ -91,17 +92,19 @@ void check_ros_names(const std::vector<OutputTopic>& topics) {
 }
 
 void choose_ros_log_folder() {
-  if (is_set("ROS_LOG_DIR") || is_set("ROS_HOME") || std::getenv("HOME") == nullptr) return;
-  if (may_write_below(std::getenv("HOME"))) return;
+  if (!value_of("ROS_LOG_DIR").empty() || !value_of("ROS_HOME").empty() || std::getenv("HOME") == nullptr)
+    return;
+  if (may_write_below(value_of("HOME"))) return;
   std::error_code error;
   const auto temporary = std::filesystem::temp_directory_path(error);
-  const std::string folder = is_set("RUNTIME_DIRECTORY") ? std::getenv("RUNTIME_DIRECTORY")
-                                                         : (error ? std::string("/tmp") : temporary.string());
+  std::string folder = value_of("RUNTIME_DIRECTORY");
+  if (folder.empty()) folder = error ? "/tmp" : temporary.string();
   setenv("ROS_LOG_DIR", folder.c_str(), 1);
 }
 
 std::string choose_master(const std::vector<std::string>& remappings) {
-  std::string uri = is_set("ROS_MASTER_URI") ? std::getenv("ROS_MASTER_URI") : "http://localhost:11311";
+  std::string uri = value_of("ROS_MASTER_URI");
+  if (uri.empty()) uri = "http://localhost:11311";
   const std::string remapping = "__master:=";
   for (const auto& given : remappings) {
     if (given.compare(0, remapping.size(), remapping) == 0) uri = given.substr(remapping.size());

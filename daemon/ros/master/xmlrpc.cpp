@@ -33,8 +33,13 @@ std::vector<std::string> addresses_of(const std::string& host, int flags) {
   return addresses;
 }
 
-/// The library would print errors of its parts.
+/// The library would print errors of its parts. Its handler is one for the process, set once: other threads
+/// use it.
 class Silence final : public XmlRpc::XmlRpcErrorHandler {
+ public:
+  Silence() { setErrorHandler(this); }
+
+ private:
   void error(const char*) override {}
 };
 
@@ -68,8 +73,7 @@ std::vector<std::string> resolve(const std::string& host, Span limit) {
 std::optional<XmlRpc::XmlRpcValue> xmlrpc_call(const XmlRpcServer& server, const std::string& method,
                                                const XmlRpc::XmlRpcValue& arguments, Span limit,
                                                std::string& error) {
-  static Silence silence;
-  XmlRpc::XmlRpcErrorHandler::setErrorHandler(&silence);
+  static const Silence silence;
   const auto end = Clock::now() + limit;
   error = "no name server knows " + server.host;
   for (const std::string& address : resolve(server.host, limit)) {
