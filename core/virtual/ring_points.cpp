@@ -193,8 +193,8 @@ void RingGrid::measure_phases(const Cloud& cloud) {
   phases_.assign(rings_, 0);
   phase_sines_.assign(rings_, 0);
   const auto per_rad = static_cast<float>(1 / step_);
-  constexpr std::size_t sampled = 7;
-  for (std::size_t i = 0; i < cloud.size(); i += sampled) {
+  constexpr std::size_t every = 7;
+  for (std::size_t i = 0; i < cloud.size(); i += every) {
     if (point_rows_[i] >= rings_) continue;
     const float angle = turn * point_azimuths_[i] * per_rad;
     phases_[point_rows_[i]] += std::cos(angle);
