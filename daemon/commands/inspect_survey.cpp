@@ -114,8 +114,10 @@ FlowTable<std::size_t> owners_of(const std::vector<FoundSensor>& sensors) {
   return owners;
 }
 
-/// The model of a flow; a wanted one is assumed of all flows of its transport.
+/// The model of a flow; a wanted one is assumed of all flows of its transport. No device has the address of a
+/// group (RFC 1122, 3.2.1.3): the capture is damaged.
 const Model* verdict_on(const Watched& watched, const Model* wanted) {
+  if (watched.flow.address.is_multicast()) return nullptr;
   if (wanted == nullptr) return watched.identifier.verdict();
   return wanted->transport == watched.flow.transport ? wanted : nullptr;
 }

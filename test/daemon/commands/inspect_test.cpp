@@ -9,6 +9,8 @@
 #include "daemon/commands/commands.h"
 #include "daemon/commands/inspect_survey.h"
 #include "daemon/config/config.h"
+#include "drivers/capture/pcap_source.h"
+#include "drivers/capture/pcap_writer.h"
 #include "drivers/registry/registry.h"
 #include "test/drivers/capture/pcap_testing.h"
 #include "test/support/captures.h"
@@ -235,6 +237,23 @@ TEST(Inspect, WritesAnAcceptedConfigurationOfADamagedCapture) {
   Survey seen;
   seen.sensors = {sensor};
   EXPECT_EQ(parse_config(config_of(seen), "inspect").sensors.size(), 1U);
+}
+
+TEST(Inspect, ASenderWithTheAddressOfAGroupIsNoSensor) {
+  // Found by fuzz_pcap: the configuration would be rejected.
+  const MemoryFile file{Bytes()};
+  PcapWriter writer(file.path());
+  PcapSource source(project_file("pcaps/demo.pcap"));
+  Packet packet;
+  for (int left = 300; left > 0 && source.next(packet);) {
+    if (packet.transport != Transport::udp || packet.to.port != 2368) continue;
+    writer.write(packet.arrival, {IpAddress::v4(235, 168, 0, 30), 2368}, packet.to, packet.payload);
+    --left;
+  }
+  writer.close();
+  const Json said = inspect_json(file.path());
+  EXPECT_TRUE(said["sensors"].empty());
+  EXPECT_EQ(said["unknown"].at(0)["packets"], 300) << said.dump();
 }
 
 TEST(Inspect, FindsSensorsOfSeveralCapturesAtOnce) {
