@@ -275,7 +275,7 @@ void RosConnection::end_ros(bool leave) {
   for (const Component& component : components_) component->disconnect(leave);
   if (leave) leave_behind(std::move(callbacks_));
   callbacks_.reset();
-  if (leave) leave_behind(std::move(diagnostics_));
+  if (leave) leave_behind(diagnostics_);
   diagnostics_ = {};
   publisher_.withdraw(leave);
   if (!leave) ros::shutdown();
