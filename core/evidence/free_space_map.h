@@ -128,11 +128,12 @@ class FreeSpaceMap {
   std::size_t size() const { return hides_.size(); }
 
  private:
-  /// A cell between a beam and the border to a neighbouring beam; beside the first and the last beam is none.
+  /// A cell between a beam and the border to a neighbouring beam. The outer cells of the first and the last
+  /// beam have no neighbour.
   struct Slot {
     std::uint16_t cell;
     float share;                    // 0: in the beam's own direction
-    std::uint32_t beam, neighbour;  // the same if there is no neighbour
+    std::uint32_t beam, neighbour;  // the beam itself if there is none
     std::uint32_t link;             // PlacedScan::linked of both
   };
   // Runs have 1, 2, 4 ... cells; two runs of the longest kind make the longest run that can be found.
