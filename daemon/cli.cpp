@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/cli.h"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <deque>
@@ -343,7 +345,7 @@ std::string mistake_in(const CLI::App& app, const std::vector<std::string>& give
     word = word.substr(0, word.find('='));
     const bool is_long = word.compare(0, 2, "--") == 0 && word.size() > 2;
     if (is_long && std::find(known.begin(), known.end(), word) == known.end())
-      return place + "no option " + word + did_you_mean(word, known);
+      return fmt::format("{}no option {}{}", place, word, did_you_mean(word, known));
   }
   return place + otherwise;
 }

@@ -143,7 +143,7 @@ void print_text(KeysFormat format, std::ostream& out) {
       else if (man)
         out << ".TP\n.B " << roff(name) << '\n'
             << roff(meaning) << ".\n"
-            << roff(value + (preset.empty() ? "" : "; default: " + preset)) << ".\n";
+            << roff(value) << (preset.empty() ? "" : "; default: ") << roff(preset) << ".\n";
       else
         out << "  " << name << ": " << value << (preset.empty() ? "" : " (default: " + preset + ")")
             << "\n      " << meaning << '\n';

@@ -164,8 +164,9 @@ class YamlCalibration {
     const Value* highest = find(entries, "max_intensity");
     if (lowest != nullptr) laser.min_intensity = static_cast<int>(std::floor(lowest->number(0, limit, "")));
     if (highest != nullptr) laser.max_intensity = static_cast<int>(std::floor(highest->number(0, limit, "")));
-    if (laser.min_intensity > laser.max_intensity)
-      warnings_.push_back((highest != nullptr ? *highest : *lowest).place().to_string() +
+    const Value* const last = highest != nullptr ? highest : lowest;
+    if (last != nullptr && laser.min_intensity > laser.max_intensity)
+      warnings_.push_back(last->place().to_string() +
                           ": min_intensity is above max_intensity, so all intensities become " +
                           std::to_string(laser.max_intensity));
   }

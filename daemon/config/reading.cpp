@@ -19,7 +19,7 @@ bool is_word_character(char c) { return std::isalnum(static_cast<unsigned char>(
 /// The rules of ROS names: `~` or `/` or a letter first; then letters, digits, `_`, single `/`.
 bool is_topic_name(const std::string& name) {
   const std::size_t first = name.find_first_not_of("~/");
-  if (first == std::string::npos || first > 2 || name.find("//") != std::string::npos) return false;
+  if (first > 2 || name.find("//") != std::string::npos) return false;  // npos is more, too
   if (first == 2 && name.compare(0, 2, "~/") != 0) return false;
   if (std::isalpha(static_cast<unsigned char>(name[first])) == 0 || name.back() == '/') return false;
   return std::all_of(name.begin() + static_cast<std::ptrdiff_t>(first), name.end(),
@@ -107,7 +107,7 @@ Pose read_pose(const Value& value) {
         angles.numbers(3, rad ? most_turn_rad : 400, rad ? "rad (degrees: rpy_deg)" : "degrees");
     rpy = Eigen::Vector3d(list[0], list[1], list[2]) * to_rad;
   });
-  const Pose made = make_pose({xyz[0], xyz[1], xyz[2]}, rpy);
+  Pose made = make_pose({xyz[0], xyz[1], xyz[2]}, rpy);
   if (!is_rigid(made)) value.fail("is not rigid", expected);
   return made;
 }
@@ -123,7 +123,7 @@ Eigen::Vector3d rpy_of(const Pose& pose) {
 
 std::string read_frame(const Value& value) {
   const std::string expected = "the name of a tf frame, without blanks";
-  const std::string name = without_slash(value.text(expected));
+  std::string name = without_slash(value.text(expected));
   const bool blank =
       std::any_of(name.begin(), name.end(), [](char c) { return static_cast<unsigned char>(c) <= ' '; });
   if (name.empty() || name.front() == '/' || blank) value.fail("is " + value.quoted(), expected);

@@ -23,7 +23,7 @@ std::string list_of(const std::vector<std::string_view>& words) {
 /// Normalizes YAML's words for true and false, .inf and .nan.
 std::string read_word(const Value& value, const Key& key) {
   const std::string expected = expected_of(key);
-  const std::string text = value.text(expected);
+  std::string text = value.text(expected);
   const auto is_known = [&](std::string_view word) {
     return std::find(key.words.begin(), key.words.end(), word) != key.words.end();
   };

@@ -180,11 +180,8 @@ std::string printable(std::string text) {
   return text;
 }
 
-Value::Value(YAML::Node node, Place place, Place key_place, std::string path)
-    : node_(std::move(node)),
-      place_(std::move(place)),
-      key_place_(std::move(key_place)),
-      path_(std::move(path)) {}
+Value::Value(const YAML::Node& node, Place place, Place key_place, std::string path)
+    : node_(node), place_(std::move(place)), key_place_(std::move(key_place)), path_(std::move(path)) {}
 
 void Value::fail(const std::string& what, const std::string& expected) const {
   fail_at(place_, (path_.empty() ? "the file" : path_) + " " + what, expected);
@@ -251,6 +248,7 @@ std::vector<double> Value::numbers(std::size_t count, double limit, const char* 
   const std::vector<Value> values = items(expected);
   if (values.size() != count) fail("has " + std::to_string(values.size()) + " elements", expected);
   std::vector<double> list;
+  list.reserve(count);
   for (const Value& value : values) list.push_back(value.number(-limit, limit, unit));
   return list;
 }

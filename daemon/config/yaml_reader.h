@@ -29,7 +29,7 @@ std::string printable(std::string text);
 /// …`.
 class Value {
  public:
-  Value(YAML::Node node, Place place, Place key_place, std::string path);
+  Value(const YAML::Node& node, Place place, Place key_place, std::string path);
 
   const YAML::Node& node() const { return node_; }
   /// Where the value begins.
