@@ -359,7 +359,7 @@ float Visibility::seen_from(std::size_t beam) {
   };
   const std::size_t end = table_.step_at(blind_to_[beam]);
   const std::size_t first = begin_[beam] > 0 ? table_.step_at(begin_[beam]) + 1 : 0;
-  // Mostly it is where that of the beam before was.
+  // Mostly a beam is seen from the same step on as the beam before.
   std::size_t m = std::min(std::max(first, seen_from_), end);
   while (m < end && !is_seen(m)) ++m;
   if (m == end) m = first;

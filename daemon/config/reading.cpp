@@ -19,7 +19,7 @@ bool is_word_character(char c) { return std::isalnum(static_cast<unsigned char>(
 /// The rules of ROS names: `~` or `/` or a letter first; then letters, digits, `_`, single `/`.
 bool is_topic_name(const std::string& name) {
   const std::size_t first = name.find_first_not_of("~/");
-  if (first > 2 || name.find("//") != std::string::npos) return false;  // npos is more, too
+  if (first > 2 || name.find("//") != std::string::npos) return false;  // npos is greater, too
   if (first == 2 && name.compare(0, 2, "~/") != 0) return false;
   if (std::isalpha(static_cast<unsigned char>(name[first])) == 0 || name.back() == '/') return false;
   return std::all_of(name.begin() + static_cast<std::ptrdiff_t>(first), name.end(),
