@@ -58,9 +58,10 @@ VisibilityTable::Stretch VisibilityTable::stretch_of(const std::vector<Place>& p
   Stretch stretch{
       {}, FreeSpaceMap::ordered(nearest), static_cast<std::int16_t>(~FreeSpaceMap::ordered(farthest))};
   const std::int32_t first = places[0].cell + low;
+  const std::int32_t span = high - low;
   const auto cell = static_cast<std::size_t>(first < 0 ? first + count : first);
   // A run that is too long is never free: no cell is free from distance 0 to 0.
-  if (!map.find_run(cell, static_cast<std::size_t>(high - low + 1), stretch.cells))
+  if (!map.find_run(cell, static_cast<std::size_t>(span) + 1, stretch.cells))
     stretch.nearest = FreeSpaceMap::ordered(0), stretch.not_farthest = FreeSpaceMap::ordered(0);
   return stretch;
 }

@@ -103,6 +103,7 @@ int calibrate(const CalibrateOptions& options, std::ostream& out, std::ostream& 
   std::vector<CalibratedSensor> sensors = seeing(play_calibrated(options, config, driven), err);
   const std::size_t reference = reference_of(sensors, options.reference);
   std::vector<MountedSensor> mounted;
+  mounted.reserve(sensors.size());
   for (CalibratedSensor& sensor : sensors) mounted.push_back(place_of(sensor));
   const MountSolution solution = solve_mounts(mounted, reference);
   for (std::size_t i = 0; i < sensors.size(); ++i) {

@@ -108,7 +108,6 @@ Json all_sections() {
   add(all, "merged_scans.NAME.source_settings.SOURCE", source_keys(), SourceSettings());
   add(all, "merged_clouds.NAME", merged_cloud_keys(), MergedCloudConfig());
   add(all, "virtual_scans.NAME", virtual_keys(), default_virtual_scan());
-  add(all, "merged_scans.NAME.also.TOPIC, virtual_scans.NAME.also.TOPIC", also_key().inner, AlsoScanConfig());
   add(all, "blackbox", black_box_keys(), BlackBoxConfig());
   return all;
 }

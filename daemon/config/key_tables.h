@@ -23,8 +23,8 @@ VirtualScanConfig default_virtual_scan();
 const Keys<OutputScanConfig>& output_keys();
 /// Of an entry of `source_settings:` of a merged scan.
 const Keys<SourceSettings>& source_keys();
-/// Of an entry of `also:`, which may be written as its profile alone.
-const KeyOf<AlsoScanConfig>& also_key();
+/// The value of an entry of `also:`.
+const KeyOf<AlsoScanConfig>& also_profile();
 
 /// Keys of sensors that not every model takes.
 struct SensorGroup {

@@ -101,9 +101,8 @@ const Keys<OutputScanConfig>& output_keys() {
   return rows;
 }
 
-const KeyOf<AlsoScanConfig>& also_key() {
-  using A = AlsoScanConfig;
-  static const KeyOf<A> key = section<A>("also", {profile_row<A>().needed()}, "one more scan").in_short();
+const KeyOf<AlsoScanConfig>& also_profile() {
+  static const KeyOf<AlsoScanConfig> key = profile_row<AlsoScanConfig>();
   return key;
 }
 
@@ -152,7 +151,7 @@ void read_also(const Mapping& yaml, std::vector<AlsoScanConfig>& also) {
       check_entry_name(topic, value);
       AlsoScanConfig one;
       one.topic = topic;
-      read_section(value, also_key(), one);
+      also_profile().set(one, read_value(value, also_profile()));
       also.push_back(one);
     });
   }

@@ -87,7 +87,7 @@ template <class Output>
 KeyOf<Output> also_row() {
   const auto get = [](const Output& output) {
     KeyMap map;
-    for (const auto& one : output.also) map.emplace_back(one.topic, shown_values(also_key().inner, one));
+    for (const auto& one : output.also) map.emplace_back(one.topic, shown_value(also_profile(), one));
     return map;
   };
   return keys::special<Output>("also", "{TOPIC: PROFILE, …}", get,

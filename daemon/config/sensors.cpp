@@ -124,10 +124,11 @@ void check_requests(Mapping& yaml, SensorConfig& sensor) {
 /// Rejects wanted settings without permission to write them.
 void check_permissions(const Mapping& yaml, const VelodyneControl& control) {
   const bool wanted = control.wanted.any();
-  for (const char* key : {"rpm", "returns", "fov", "host"}) {
-    if (!control.allow_write && yaml.has(key) && wanted)
-      yaml.where(key).fail_at_key("asks to change the sensor, but control.allow_write is not true",
-                                  "allow_write: true beside it, or no such key");
+  for (const auto& [key, value] : yaml.entries()) {
+    const bool of_access = key == "read" || key == "allow_write" || key == "port";
+    if (!control.allow_write && !of_access && wanted)
+      value.fail_at_key("asks to change the sensor, but control.allow_write is not true",
+                        "allow_write: true beside it, or no such key");
   }
   if (wanted && !control.read)
     yaml.where("read").fail("is false, so nobody could tell whether a setting differs",
@@ -140,14 +141,17 @@ void check_control(Mapping& parent, SensorConfig& sensor, Reading& reading) {
   if (!parent.has("control")) return;
   Mapping yaml = parent.inside("control");
   if (!yaml.has("read")) control.read = control.wanted.any();
-  if (control.wanted.fov_start_deg && control.wanted.fov_start_deg == control.wanted.fov_end_deg)
-    yaml.inside("fov").where("end_deg").fail("is start_deg too",
-                                             "{start_deg: 0, end_deg: 360}, whole degrees");
+  const std::optional<int>& start = control.wanted.fov_start_deg;
+  const std::optional<int>& end = control.wanted.fov_end_deg;
+  if (start.has_value() != end.has_value())
+    yaml.where(start ? "fov_start_deg" : "fov_end_deg")
+        .fail_at_key("is given alone", "both fov_start_deg and fov_end_deg, or none");
+  if (start && start == end)
+    yaml.where("fov_end_deg").fail("is fov_start_deg too", "0 and 360 for all, in whole degrees");
   if (control.wanted.host_port && *control.wanted.host_port != sensor.ip_port) {
-    const Mapping host = yaml.inside("host");
-    reading.warn(host.where("port").place(),
-                 host.where("port").path() + " makes the sensor send to a port that is not its ip_port, " +
-                     std::to_string(sensor.ip_port) + ": its data will not arrive here");
+    const Value& port = yaml.where("host_port");
+    reading.warn(port.place(), port.path() + " makes the sensor send to a port that is not its ip_port, " +
+                                   std::to_string(sensor.ip_port) + ": its data will not arrive here");
   }
   check_permissions(yaml, control);
   if (control.read && !parent.has("ip_address"))

@@ -101,7 +101,7 @@ class OnePcd final : public FrameWriter {
   void copy_to_standard_output() {
     std::rewind(file_.get());
     TextFile out("-");
-    std::array<char, 64 * 1024> buffer;
+    std::array<char, 65536> buffer;
     for (std::size_t got = 1; got > 0;) {
       got = std::fread(buffer.data(), 1, buffer.size(), file_.get());
       out.write({buffer.data(), got});

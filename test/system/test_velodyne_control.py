@@ -139,7 +139,7 @@ def rounds(server, count):
 
 def agreeing(tmp):
     with sensor() as server:
-        wanted = "allow_write: true, rpm: 600, returns: strongest, fov: {start_deg: 0, end_deg: 360}"
+        wanted = "allow_write: true, rpm: 600, returns: strongest, fov_start_deg: 0, fov_end_deg: 360"
         with daemon(tmp, server, wanted):
             rounds(server, 3)
         expect(server.seen("POST") == [], f"nothing differs, yet {server.seen('POST')}")
@@ -147,7 +147,7 @@ def agreeing(tmp):
 
 def differing(tmp):
     with sensor() as server:
-        wanted = "allow_write: true, rpm: 1200, returns: strongest, fov: {start_deg: 270, end_deg: 360}"
+        wanted = "allow_write: true, rpm: 1200, returns: strongest, fov_start_deg: 270, fov_end_deg: 360"
         with daemon(tmp, server, wanted) as (_, log, _port):
             rounds(server, 3)
             expect("wrote rpm: 600 -> 1200" in log(), "the log tells the change:\n" + log())

@@ -276,7 +276,7 @@ void PublisherThread::replace_publisher(Output& output, ros::Publisher next, boo
     if (!output.publisher) output.sent.clear();
     if (output.publisher && output.latest) output.publisher.publish(*output.latest);
   }
-  if (leave) leave_behind(std::move(next));
+  if (leave) leave_behind(next);
 }
 
 void PublisherThread::advertise() {

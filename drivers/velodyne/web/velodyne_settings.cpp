@@ -154,7 +154,6 @@ constexpr double fastest_rpm = 1200;
 constexpr double rpm_step = 60;
 constexpr double last_port = 65535;
 
-constexpr const char* fov_form = "{start_deg: 0, end_deg: 360}, whole degrees";
 constexpr const char* host_form = "the IPv4 address to send to, a broadcast or a multicast address";
 
 std::optional<Rejection> no_rpm(const KeyValue& value) {
@@ -168,14 +167,6 @@ std::optional<Rejection> no_host(const KeyValue& value) {
   return Rejection{"is {}", host_form};
 }
 
-Keys<S> fov_keys() {
-  return {
-      whole("start_deg", &S::fov_start_deg, 0, 359, "as the sensor counts azimuth")
-          .of_form(fov_form)
-          .needed(),
-      whole("end_deg", &S::fov_end_deg, 0, 360, "as the sensor counts azimuth").of_form(fov_form).needed()};
-}
-
 Keys<S> wanted_keys() {
   const Words<std::optional<VelodyneReturns>> returns{{"strongest", VelodyneReturns::strongest},
                                                       {"last", VelodyneReturns::last},
@@ -183,13 +174,12 @@ Keys<S> wanted_keys() {
   return {
       whole("rpm", &S::rpm, slowest_rpm, fastest_rpm, "speed of rotation, a multiple of 60").checked(no_rpm),
       word("returns", &S::returns, returns, "which returns it sends"),
-      section("fov", fov_keys(), "the sector that it sends"),
-      section<S>("host",
-                 {text("address", &S::host_address, host_form, "where it sends").checked(no_host),
-                  whole("port", &S::host_port, 1, last_port, "of its data"),
-                  whole("telemetry_port", &S::host_telemetry_port, 1, last_port,
-                        "of its satellite receiver's sentences")},
-                 "where it sends")};
+      whole("fov_start_deg", &S::fov_start_deg, 0, 359, "the sector that it sends, as it counts azimuth"),
+      whole("fov_end_deg", &S::fov_end_deg, 0, 360, "end of that sector; 0 to 360 is all"),
+      text("host_address", &S::host_address, host_form, "where it sends").checked(no_host),
+      whole("host_port", &S::host_port, 1, last_port, "the port that it sends its data to"),
+      whole("host_telemetry_port", &S::host_telemetry_port, 1, last_port,
+            "the port that it sends its satellite receiver's sentences to")};
 }
 
 }  // namespace

@@ -35,8 +35,8 @@ void judge_port(const VelodyneTree& tree, const Received& received, std::vector<
                     "; is there another sensor with its address, or a forwarding rule?");
   else
     found.push_back(reports + "but ip_port is " + std::to_string(received.listens_on) +
-                    "; correct ip_port, or set host: {port: " + std::to_string(received.listens_on) +
-                    "} in control");
+                    "; correct ip_port, or set host_port: " + std::to_string(received.listens_on) +
+                    " in control");
 }
 
 void judge_address(const WebState& state, const Received& received, std::vector<std::string>& found) {
@@ -50,8 +50,8 @@ void judge_address(const WebState& state, const Received& received, std::vector<
                       "; is there another sensor with its address, or a forwarding rule?");
   } else if (!state.local_address.empty() && text != state.local_address) {
     found.push_back("the sensor sends its data to " + text + ", but this host is " + state.local_address +
-                    " there; set host: {address: " + state.local_address +
-                    "} in control, or this host's address");
+                    " there; set host_address: " + state.local_address +
+                    " in control, or this host's address");
   }
 }
 

@@ -56,7 +56,7 @@ TEST(KeysCommand, KnowsLimitsDefaultsAndWhatIsLive) {
   EXPECT_TRUE(range["live"]);
   EXPECT_FALSE(key("merged_scans.NAME", "range_noise")["live"]);
   EXPECT_EQ(key("merged_scans.NAME", "range_noise")["default"], "0.02");
-  EXPECT_EQ(key("sensors.NAME.control.fov", "end_deg")["required"], true);
+  EXPECT_EQ(key("virtual_scans.NAME.ground", "model")["required"], true);
   EXPECT_EQ(key("virtual_scans.NAME.ground", "model")["words"], nlohmann::json({"none", "plane", "slope"}));
   EXPECT_THAT(printed(KeysFormat::table),
               HasSubstr("  policy: complete, rate, trigger (default: complete)\n"));

@@ -35,8 +35,8 @@ TEST(ControlConfig, ReadsAndWritesNothingByDefault) {
 
 TEST(ControlConfig, TakesEveryKey) {
   const VelodyneControl control = control_of(
-      "allow_write: true, port: 8080, rpm: 900, returns: dual, fov: {start_deg: 270, end_deg: 90}, "
-      "host: {address: 192.168.1.77, port: 2368, telemetry_port: 8309}");
+      "allow_write: true, port: 8080, rpm: 900, returns: dual, fov_start_deg: 270, fov_end_deg: 90, "
+      "host_address: 192.168.1.77, host_port: 2368, host_telemetry_port: 8309");
   EXPECT_TRUE(control.read) << "a wanted setting asks for the reading too";
   EXPECT_TRUE(control.allow_write);
   EXPECT_EQ(control.port, 8080);
@@ -58,7 +58,7 @@ TEST(ControlConfig, RefusesAWishWithoutPermissionToWrite) {
   EXPECT_EQ(error_of(roof("rpm: 600")), "f:1:78: sensors.roof.control.rpm " + why);
   EXPECT_EQ(error_of(roof("allow_write: false, returns: last")),
             "f:1:98: sensors.roof.control.returns " + why);
-  for (const char* wish : {"fov: {start_deg: 0, end_deg: 90}", "host: {port: 2368}"})
+  for (const char* wish : {"fov_start_deg: 0, fov_end_deg: 90", "host_port: 2368"})
     EXPECT_THAT(error_of(roof(wish)), HasSubstr(why)) << wish;
 }
 
@@ -69,17 +69,19 @@ TEST(ControlConfig, RefusesValuesThatTheSensorWouldNotTake) {
       {"rpm: 1260", "rpm is 1260; expected"},
       {"rpm: 601", "rpm is 601; expected a multiple of 60 from 300 to 1200"},
       {"returns: all", "returns is \"all\"; expected strongest, last or dual"},
-      {"fov: {start_deg: 360, end_deg: 9}", "fov.start_deg is 360; expected a whole number from 0 to 359"},
-      {"fov: {start_deg: 0.5, end_deg: 9}", "fov.start_deg is \"0.5\"; expected"},
-      {"fov: {start_deg: 0, end_deg: 361}", "fov.end_deg is 361; expected a whole number from 0 to 360"},
-      {"fov: {start_deg: 9, end_deg: 9}", "fov.end_deg is start_deg too"},
-      {"fov: {start_deg: 9}", "fov has no end_deg"},
-      {"host: {address: roof.local}", "host.address is \"roof.local\"; expected the IPv4 address"},
-      {"host: {address: 'fe80::1'}", "host.address is \"fe80::1\""},
-      {"host: {address: 0.0.0.0}", "host.address is \"0.0.0.0\""},
-      {"host: {port: 0}", "host.port is 0; expected a whole number from 1 to 65535"},
+      {"fov_start_deg: 360, fov_end_deg: 9", "fov_start_deg is 360; expected a whole number from 0 to 359"},
+      {"fov_start_deg: 0.5, fov_end_deg: 9", "fov_start_deg is \"0.5\"; expected"},
+      {"fov_start_deg: 0, fov_end_deg: 361", "fov_end_deg is 361; expected a whole number from 0 to 360"},
+      {"fov_start_deg: 9, fov_end_deg: 9", "fov_end_deg is fov_start_deg too"},
+      {"fov_start_deg: 9", "fov_start_deg is given alone; expected both"},
+      {"host_address: roof.local", "host_address is \"roof.local\"; expected the IPv4 address"},
+      {"host_address: 'fe80::1'", "host_address is \"fe80::1\""},
+      {"host_address: 0.0.0.0", "host_address is \"0.0.0.0\""},
+      {"host_port: 0", "host_port is 0; expected a whole number from 1 to 65535"},
       {"port: 65536", "control.port is 65536"},
       {"rpms: 600", "unknown key sensors.roof.control.rpms; expected rpm"},
+      {"fov: {start_deg: 0}",
+       "control.fov is a key of former versions; expected fov_start_deg and fov_end_deg"},
       {"read: false, rpm: 600", "control.read is false, so nobody could tell whether a setting differs"},
   };
   for (const auto& [text, message] : wrong) {
@@ -106,24 +108,24 @@ TEST(ControlConfig, IsRefusedForOtherSensors) {
 }
 
 TEST(ControlConfig, WarnsWhereTheSensorWouldSendElsewhere) {
-  const Config config = parse_config(roof("allow_write: true, host: {port: 2400}"), "f");
+  const Config config = parse_config(roof("allow_write: true, host_port: 2400"), "f");
   ASSERT_EQ(config.warnings.size(), 1U);
   EXPECT_THAT(config.warnings[0],
-              HasSubstr("control.host.port makes the sensor send to a port that is not its ip_port, 2368"));
+              HasSubstr("control.host_port makes the sensor send to a port that is not its ip_port, 2368"));
 }
 
 TEST(ControlConfig, IsEmittedSoThatItReadsBackToTheSame) {
   EXPECT_THAT(to_yaml(parse_config("sensors: {roof: {model: velodyne_vlp16}}", "f")),
               HasSubstr("    control: {read: false, allow_write: false, port: 80}\n"));
-  const std::string yaml = to_yaml(parse_config(
-      roof("allow_write: true, rpm: 900, returns: last, fov: {start_deg: 270, end_deg: 360}, host: {address: "
-           "239.0.0.1, port: 2368, telemetry_port: 1}"),
-      "f"));
+  const std::string yaml = to_yaml(
+      parse_config(roof("allow_write: true, rpm: 900, returns: last, fov_start_deg: 270, fov_end_deg: 360, "
+                        "host_address: 239.0.0.1, host_port: 2368, host_telemetry_port: 1"),
+                   "f"));
   EXPECT_THAT(
       yaml,
       HasSubstr(
-          "control: {read: true, allow_write: true, port: 80, rpm: 900, returns: last, fov: "
-          "{start_deg: 270, end_deg: 360}, host: {address: 239.0.0.1, port: 2368, telemetry_port: 1}}\n"));
+          "control: {read: true, allow_write: true, port: 80, rpm: 900, returns: last, fov_start_deg: 270, "
+          "fov_end_deg: 360, host_address: 239.0.0.1, host_port: 2368, host_telemetry_port: 1}\n"));
   EXPECT_EQ(to_yaml(parse_config(yaml, "g")), yaml);
 }
 

@@ -25,7 +25,7 @@ const std::string everything =
     "  m: {laserscan_topics: rear, destination_frame: other, angle_min: -2.36, angle_max: 2.36, "
     "angle_increment: 0.0058, time_increment: 1e-5, empty: nan, min_height: -0.3, lost_after: 0.0333333}\n"
     "  n: {laserscan_topics: rear, cloud_destination_topic: c, angle_max: 1, empty: range_max_plus_one, "
-    "profile: strict, also: {s: {profile: safety}}}\n"
+    "profile: strict, also: {s: safety}}\n"
     "merged_clouds:\n"
     "  all: {sources: [roof, open], destination_frame: mid, destination_pose: {xyz: [1, 0, 0]}, "
     "destination_topic: "
@@ -40,7 +40,7 @@ const std::string everything =
     "  w: {cloud_topic: open, base_frame: x, virtual_laser_scan: [d, e], output_laser_topic: /all}\n"
     "  s: {cloud_topic: roof, virtual_laser_scan: [f, g], profile: strict, mode: band, min_height: 0.1, "
     "max_height: 1.9, ground: {model: slope, z: 0.2, tolerance: 0.07}, echoes: all, "
-    "no_return_free_range: 40, also: {safe: safety, flat: {profile: flatten}}}\n";
+    "no_return_free_range: 40, also: {safe: safety, flat: flatten}}\n";
 
 /// What to_yaml() leaves unsaid or rounds is compared here, everything else by its text.
 void expect_same(const Config& a, const Config& b) {

@@ -53,17 +53,12 @@ void find_used(const YAML::Node& node, const std::string& section, const std::se
     std::string row = section + "." + std::regex_replace(entry.first.Scalar(), std::regex("_deg$"), "");
     if (rows.count(row) == 0) row = section + "." + entry.first.Scalar();
     used.insert(row);
-    const bool has_names =
-        row == "merged_scans.NAME.source_settings" || row.find(".also") != std::string::npos;
     if (!entry.second.IsMap()) continue;
-    if (!has_names) find_used(entry.second, row, rows, used);
-    for (const auto& named : entry.second) {
-      if (!has_names || !named.second.IsMap()) continue;
-      const bool is_also = row.find(".also") != std::string::npos;
-      find_used(named.second,
-                is_also ? "merged_scans.NAME.also.TOPIC, virtual_scans.NAME.also.TOPIC" : row + ".SOURCE",
-                rows, used);
+    if (row != "merged_scans.NAME.source_settings") {
+      find_used(entry.second, row, rows, used);
+      continue;
     }
+    for (const auto& source : entry.second) find_used(source.second, row + ".SOURCE", rows, used);
   }
 }
 

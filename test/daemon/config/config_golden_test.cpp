@@ -54,9 +54,6 @@ std::vector<std::string> places_of(const std::string& section) {
     return {"sensors: {s: {model: velodyne_vlp16, ip_address: 10.0.0.7, control: {@}}}\n",
             "sensors: {s: {model: velodyne_vls128, ip_address: 10.0.0.7, control: {read: true, @}}}\n",
             "sensors: {s: {model: sick_microscan3, ip_address: 10.0.0.7, control: {@}}}\n"};
-  if (section.rfind("sensors.NAME.control.", 0) == 0)
-    return {"sensors: {s: {model: velodyne_vlp16, ip_address: 10.0.0.7, control: {" + section.substr(21) +
-            ": {@}}}}\n"};
   const std::string filter = "sensors.NAME.filter";
   if (section == filter)
     return {"sensors: {s: {model: velodyne_vlp16, filter: {@}}}\n",
@@ -71,8 +68,6 @@ std::vector<std::string> places_of(const std::string& section) {
             two_sensors + "virtual_scans: {v: {cloud_topic: b, virtual_laser_scan: [b], @}}\n"};
   if (section == "virtual_scans.NAME.ground")
     return {cut + "ground: {@}}}\n", cut + "ground: {model: slope, @}}}\n"};
-  if (section == "merged_scans.NAME.also.TOPIC, virtual_scans.NAME.also.TOPIC")
-    return {merged + "also: {t: {@}}}}\n", cut + "also: {t: {@}}}}\n"};
   if (section == "blackbox") return {"sensors: {s: {model: velodyne_vlp16}}\nblackbox: {@}\n"};
   ADD_FAILURE() << "no place for keys of " << section;
   return {};

@@ -107,7 +107,7 @@ TEST(MergedScanConfig, ReadsTheProfileAndWhatItNeeds) {
   const Config config = with_outputs(
       "merged_scans: {m: {laserscan_topics: rear, profile: strict, unobserved: minus_inf, empty: zero, "
       "echoes: all, veil_filter: no, range_noise: 0.03, range_max: 30, free_required: 28, also: {safe: "
-      "safety, flat: {profile: flatten}}}}\n"
+      "safety, flat: flatten}}}\n"
       "vehicle: {footprint: [[-1, -1], [1, -1], [0, 1]]}");
   EXPECT_TRUE(config.warnings.empty());
   const MergedScanConfig& m = config.merged_scans[0];
@@ -138,7 +138,7 @@ TEST(MergedScanConfig, RefusesWrongProfiles) {
   EXPECT_EQ(merged_error("laserscan_topics: rear, also: {x: safe}"),
             "f:7:41: merged_scans.m.also.x is \"safe\"; expected strict, safety or flatten");
   EXPECT_EQ(merged_error("laserscan_topics: rear, also: {x: {}}"),
-            "f:7:38: merged_scans.m.also.x has no profile; expected strict, safety or flatten");
+            "f:7:41: merged_scans.m.also.x is a mapping; expected strict, safety or flatten");
 }
 
 TEST(MergedScanConfig, RefusesGridsWhereTheMistakeStands) {

@@ -26,8 +26,6 @@ TEST(RemovedKeys, OfOneSectionMayBeKeysOfAnother) {
   EXPECT_EQ(instead_of("merged_scans.m.veil_filter"), "");
   EXPECT_NE(instead_of("merged_scans.m.source_settings.left.intensity_max"), "");
   EXPECT_EQ(instead_of("sensors.a.filter.intensity_min"), "");
-  EXPECT_NE(instead_of("virtual_scans.v.also.safe.empty"), "");
-  EXPECT_EQ(instead_of("virtual_scans.v.empty"), "");
 }
 
 }  // namespace

@@ -44,7 +44,7 @@ std::string config_text(const std::string& front_pose) {
          "merged_scans:\n"
          "  around: {laserscan_topics: [front, rear], destination_frame: base_link, beams: 360, range_max: "
          "20,\n"
-         "           profile: strict, also: {careful: {profile: safety}}}\n";
+         "           profile: strict, also: {careful: safety}}\n";
 }
 
 /// Two scanners of 181 beams over a half circle each, back to back, in a round room of 5 m.

@@ -251,7 +251,7 @@ TEST(MergedOutput, OwnBodyIsLeftOutWhereverTheOutputFrameStands) {
 TEST(MergedOutput, FurtherScansHaveTheUsualEncodingsAndTheSameStamp) {
   PipelineBench bench(
       two_sources("profile: strict, empty: zero, unobserved: minus_inf, cloud_destination_topic: cloud, "
-                  "also: {safe: {profile: safety}, flat: flatten}"));
+                  "also: {safe: safety, flat: flatten}"));
   sweep(bench, "a", ms(100));
   sweep(bench, "b", ms(100));
   const PlanarScan& own = bench.sink.scans["m"].at(0);

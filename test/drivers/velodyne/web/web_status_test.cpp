@@ -53,7 +53,7 @@ TEST(WebContradictions, NameADestinationThatIsNotOurs) {
   EXPECT_THAT(
       contradictions(state, silent()),
       ElementsAre("the sensor reports that it sends to port 2370, but ip_port is 2368; correct ip_port, or "
-                  "set host: {port: 2368} in control"));
+                  "set host_port: 2368 in control"));
   EXPECT_THAT(contradictions(state, receiving()), ElementsAre(HasSubstr("but its data arrive on 2368")));
   state = answering();
   state.tree["config.host.addr"] = "192.168.1.99";
