@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace lidard {
 namespace {
@@ -93,17 +94,13 @@ bool is_blocked(const std::optional<Footprint::Crossing>& body) {
   return body->in > Footprint::margin_m || body->out - body->in > housing_m;
 }
 
-/// Ranges at which a beam that begins at height `from` and climbs `slope` per m is inside the band.
-void clip(double from, double slope, HeightBand band, float& begin, float& end) {
-  if (std::abs(slope) < 1e-9) {
-    begin = 0;
-    end = from >= band.min && from <= band.max ? nowhere : -1.0F;
-    return;
-  }
+/// First and last range at which a beam that begins at height `from` and climbs `slope` per m is in the band.
+std::pair<float, float> clip(double from, double slope, HeightBand band) {
+  if (std::abs(slope) < 1e-9) return {0.0F, from >= band.min && from <= band.max ? nowhere : -1.0F};
   const double at_min = (band.min - from) / slope;
   const double at_max = (band.max - from) / slope;
-  begin = static_cast<float>(std::max(0.0, std::min(at_min, at_max)));
-  end = static_cast<float>(std::max(at_min, at_max));
+  return {static_cast<float>(std::max(0.0, std::min(at_min, at_max))),
+          static_cast<float>(std::max(at_min, at_max))};
 }
 
 }  // namespace
@@ -146,9 +143,9 @@ void BeamRays::add_beam(double angle, const Footprint& body, const Footprint& ma
   own_end.push_back(own ? static_cast<float>(own->out) : nowhere);
   const auto blocked = body.crossing(origin, ray.head<2>());
   blocked_at.push_back(is_blocked(blocked) ? static_cast<float>(blocked->in) : nowhere);
-  band_begin.push_back(0);
-  band_end.push_back(0);
-  clip(pose.translation().z(), ray.z(), band, band_begin.back(), band_end.back());
+  const auto [begin, end] = clip(pose.translation().z(), ray.z(), band);
+  band_begin.push_back(begin);
+  band_end.push_back(end);
   from_inside.push_back(blocked && blocked->in <= 0 && blocked->out > housing_m ? 1 : 0);
 }
 

@@ -69,6 +69,9 @@ class Visibility {
   float range(std::size_t beam) const { return nearest_.range[beam]; }
   /// m from the origin to the end of the observed free way.
   float covered(std::size_t beam) const { return covered_[beam]; }
+  /// True if every point of the beam's way is seen, by a slow method that shares nothing with compute(). For
+  /// tests and debug builds.
+  bool is_seen_all_along(std::size_t beam) const;
 
  private:
   void combine(const std::vector<const PlacedScan*>& sweeps);
@@ -118,7 +121,6 @@ class Visibility {
   bool accept_unseen(Walk& walk, float from, std::size_t part);
   bool is_open_to_some(const Walk& walk, std::size_t part) const;
   float seen_from(std::size_t beam);
-  bool is_seen_all_along(std::size_t beam) const;
   FreeSpaceMap::Place place_at(std::size_t source, std::size_t beam, float range) const {
     return maps_[source].place_of(range * raster_.cosine(beam), range * raster_.sine(beam));
   }

@@ -6,7 +6,6 @@
 
 namespace lidard {
 
-/// Checks is_covered() by a slower method, for debug builds.
 bool Visibility::is_seen_all_along(std::size_t beam) const {
   constexpr float apart = 0.01F;  // m
   for (float at = begin_[beam] + apart; at < ways_[beam]; at += apart) {

@@ -2,11 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "core/base/angle.h"
 #include "core/merge/merger.h"
+#include "test/sim/world/rng.h"
 
 namespace lidard {
 namespace {
@@ -139,6 +141,46 @@ TEST(VisibilityGaps, ABeamThatPassesASourceNearerThanThatOneSeesIsNotFree) {
     EXPECT_LT(static_cast<double>(visibility.covered(180)), ahead - 0.24) << ahead;
     EXPECT_EQ(visibility.state(90), BeamState::free) << "it leads away from the source";
   }
+}
+
+/// Free space that is cut up at random: runs of cells that see far, to some distance, or from some distance
+/// on.
+void claim_in_pieces(FreeSpaceMap& map, sim::Rng& rng) {
+  for (std::size_t cell = 0; cell < map.size();) {
+    const double kind = rng.uniform(), far = kind < 0.6 ? 15 : 8 * rng.uniform();
+    const double from = kind > 0.9 ? far * rng.uniform() : 0;
+    const std::size_t end = std::min(map.size(), cell + 1 + static_cast<std::size_t>(60 * rng.uniform()));
+    for (; cell < end; ++cell) map.claim(cell, static_cast<float>(from), static_cast<float>(far));
+  }
+}
+
+TEST(VisibilityGaps, EveryPointOfAFreeBeamIsSeenBySomeSource) {
+  sim::Rng rng(9);
+  ScanGridSpec spec;
+  spec.beams = 360;
+  spec.range_max = 6;
+  PlanarScan scan;
+  scan.reset(360);
+  scan.set_angles(static_cast<float>(-pi_d), static_cast<float>(pi_d / 180));
+  std::size_t free = 0;
+  for (int round = 0; round < 100; ++round) {
+    Visibility visibility(*make_grid(spec), {}, 3);
+    for (std::size_t source = 0; source < 3; ++source) {
+      BeamRays rays;
+      const double x = rng.within(3), y = rng.within(3);
+      rays.build(scan, make_pose({x, y, 0}, {0, 0, 0}), {}, {});
+      visibility.set_source(source, rays);
+    }
+    visibility.begin();
+    for (std::size_t source = 0; source < 3; ++source) claim_in_pieces(visibility.free_space(source), rng);
+    visibility.compute();
+    for (std::size_t beam = 0; beam < visibility.beams(); ++beam) {
+      if (visibility.state(beam) != BeamState::free) continue;
+      ++free;
+      EXPECT_TRUE(visibility.is_seen_all_along(beam)) << round << ' ' << beam;
+    }
+  }
+  EXPECT_GT(free, 2000U);
 }
 
 }  // namespace

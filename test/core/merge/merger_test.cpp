@@ -197,10 +197,13 @@ TEST(Merger, GivesAllProfilesFromOneMerge) {
 
 TEST(Merger, ReturnsInsideTheVehiclesOutlineAreLeftOutInEveryProfile) {
   Merger merger(full_circle(360, 30), {}, 1, with_visibility());
+  PlanarScan strict, flat;
+  ASSERT_TRUE(merger.add(0, arc(5, t0), Pose::Identity()));
+  merge(merger, 1, {{Profile::strict, &strict}});
+  EXPECT_EQ(strict.statuses[180], BeamStatus::hit) << "no outline yet";
   merger.set_footprint(
       Footprint({{-4, -1}, {0, -1}, {0, 1}, {-4, 1}}).transformed(make_pose({5.5, 0, 0}, {0, 0, 0})));
-  ASSERT_TRUE(merger.add(0, arc(5, t0), Pose::Identity()));
-  PlanarScan strict, flat;
+  ASSERT_TRUE(merger.add(0, arc(5, t0 + ms(30)), Pose::Identity()));
   merge(merger, 1, {{Profile::strict, &strict}, {Profile::flatten, &flat}});
   EXPECT_NE(strict.statuses[180], BeamStatus::hit);
   EXPECT_NE(flat.statuses[180], BeamStatus::hit);

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
 #include <iostream>
 
@@ -77,6 +78,8 @@ struct DriveTrial {
         sweep.returns.push_back(
             {{range * std::cos(angle), range * std::sin(angle), 0}, static_cast<float>(later(i)), 0});
       }
+      // Every other scanner counts its beams down: its later returns come first.
+      if (sensors.size() % 2 == 1) std::reverse(sweep.returns.begin(), sweep.returns.end());
       sensor.sweeps.push_back(sweep);
     }
     sensor.held_by = is_held ? 0 : sensors.size();

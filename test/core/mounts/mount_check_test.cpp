@@ -189,14 +189,16 @@ TEST(MountCheck, LooksFiveTimesASecondAndStartsAnewWhenTheInputDoes) {
   EXPECT_TRUE(check.is_due(t - std::chrono::seconds(2)));
 }
 
-/// Two scanners in a room of which one sees things move, look by look; nothing is deskewed.
-std::size_t surfaces_compared(bool first_moves, bool second_moves, bool deskewed) {
+/// Two scanners in a room, some of which stand elsewhere at every other look, by 0.1 m or by `turn` rad.
+std::size_t surfaces_compared(bool first_moves, bool second_moves, bool deskewed, double turn = 0) {
   CheckedVehicle vehicle(paper_room(), 0.001);
   std::size_t surfaces = 0;
   for (int look = 0; look < 8; ++look) {
     for (std::size_t s = 0; s < 2; ++s) {
       FlatScanner scanner = vehicle.configured[s];
-      if (s == 0 ? first_moves : second_moves) scanner.at.x() += 0.1 * (look % 2);
+      const bool moves = (s == 0 ? first_moves : second_moves) && look % 2 == 1;
+      if (moves && turn == 0) scanner.at.x() += 0.1;
+      if (moves) scanner.yaw += turn;
       PlanarScan scan;
       scanner.measure(vehicle.world, vehicle.rng, scan);
       BeamRays rays;
@@ -216,6 +218,8 @@ TEST(MountCheck, IsNotFooledWhileOneScannerMovesThoughTheOtherOneStands) {
   EXPECT_EQ(surfaces_compared(false, true, false), 0);
   EXPECT_EQ(surfaces_compared(true, true, false), 0);
   EXPECT_GT(surfaces_compared(true, true, true), 2) << "deskewed sweeps may be compared always";
+  for (const double turn : {-0.5, 0.5})
+    EXPECT_EQ(surfaces_compared(true, false, false, turn * degree), 0) << turn;
 }
 
 TEST(MountCheck, MotionOfLessThanThreeCentimetresFromLookToLookIsStanding) {

@@ -8,6 +8,7 @@
 
 #include "core/base/angle.h"
 #include "core/mounts/surfaces.h"
+#include "test/sim/world/rng.h"
 
 namespace lidard {
 namespace {
@@ -45,6 +46,24 @@ TEST(StillView, ABeamThatSeesNothingMostOfTheTimeIsFreeAndOneThatFlickersIsNotKn
   EXPECT_TRUE(beams[2].is_hit());
 }
 
+TEST(StillView, ABeamIsTheMeanOfItsReturnsAndKnowsItsError) {
+  StillScans scans;
+  sim::Rng rng(4);
+  for (int frame = 0; frame < 50; ++frame) {
+    PlanarScan scan = scan_of(200);
+    for (std::size_t i = 0; i < scan.beams; ++i)
+      scan.set_hit(i, static_cast<float>(5 + 0.02 * rng.gaussian()));
+    scans.add(scan);
+  }
+  double square = 0;
+  const auto views = scans.views(Eigen::Matrix3d::Identity());
+  for (const StillBeam& beam : views[0].beams) {
+    EXPECT_NEAR(beam.sigma, 0.02 / std::sqrt(50), 0.0015);
+    square += std::pow((beam.range - 5) / beam.sigma, 2) / 200;
+  }
+  EXPECT_NEAR(square, 1, 0.4);
+}
+
 TEST(StillView, ScansOfAnotherGridAreNotAdded) {
   StillScans scans;
   EXPECT_TRUE(scans.add(scan_of(100)));
@@ -69,7 +88,7 @@ TEST(StillView, BeamsOfARingAreNeighboursThoughBinsBetweenThemAreEmpty) {
     cloud.points_bytes.resize(count * sizeof(CloudPoint));
     for (std::size_t i = 0; i < count; ++i) {
       const double azimuth = (step_deg * static_cast<double>(i) - 45) * rad_per_deg;
-      cloud.points()[i] = {4, static_cast<float>(4 * std::tan(azimuth)), 0, 0, 0, 0};
+      cloud.points()[i] = {4, static_cast<float>(4 * std::tan(azimuth)), 0.5F, 0, 0, 0};
     }
     scans.add(cloud);
     const auto views = scans.views(Eigen::Matrix3d::Identity());
@@ -77,6 +96,7 @@ TEST(StillView, BeamsOfARingAreNeighboursThoughBinsBetweenThemAreEmpty) {
     find_surfaces(views[0], surfaces);
     ASSERT_EQ(surfaces.size(), 1U) << step_deg;
     EXPECT_GT(surfaces[0].length(), 7.5) << step_deg;
+    EXPECT_NEAR(surfaces[0].height, 0.5, 1e-4) << step_deg;
   }
 }
 
@@ -110,6 +130,30 @@ TEST(Surfaces, AreCutAtCornersAndKnowTheirErrors) {
   // An offset of the ranges moves the wall ahead away from the sensor by nearly as much.
   EXPECT_LT(surfaces[0].offset_by_range, -0.9);
   EXPECT_LT(surfaces[0].var_offset, 1e-6);
+}
+
+/// A laser's view of a straight face `ahead` m away that leans away by `lean` m per m of height.
+StillView face(std::size_t ring, double height, double ahead, double lean, double turn_deg = 0) {
+  StillView view;
+  view.ring = ring, view.step = rad_per_deg;
+  const Eigen::Rotation2Dd turn(turn_deg * rad_per_deg);
+  for (int degree = -20; degree <= 20; ++degree) {
+    const double x = ahead + lean * height;
+    const Eigen::Vector2d point = turn * Eigen::Vector2d(x, x * std::tan(degree * rad_per_deg));
+    view.beams.push_back({point, point.norm(), height, 0.005});
+  }
+  return view;
+}
+
+TEST(Surfaces, AreUprightWhereAnotherLaserSeesThemHigherOrLower) {
+  EXPECT_EQ(find_upright({face(0, 0, 4, 0), face(1, 0.3, 4, 0)}).size(), 2U);
+  EXPECT_EQ(find_upright({face(0, 0, 4, 0), face(1, 0.05, 4, 0)}).size(), 0U) << "both see one height";
+  EXPECT_EQ(find_upright({face(0, 0, 4, 0.5), face(1, 0.3, 4, 0.5)}).size(), 0U) << "a slope";
+  EXPECT_EQ(find_upright({face(0, 0, 4, 0), face(1, 0.3, 4, 0, 3)}).size(), 0U) << "turned";
+  EXPECT_EQ(find_upright({face(0, 0, 4, 0), face(1, 0.3, 4.1, 0)}).size(), 0U) << "another face behind it";
+  EXPECT_EQ(find_upright({face(0, 0, 4, 0), {}, {}, face(3, 0.3, 4, 0)}).size(), 2U);
+  EXPECT_EQ(find_upright({face(0, 0, 4, 0), {}, {}, {}, face(4, 0.3, 4, 0)}).size(), 0U)
+      << "too many rings apart";
 }
 
 }  // namespace
