@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "test/core/virtual/cut_bench.h"
+#include "test/core/virtual/small_lidar.h"
 #include "test/support/allocations.h"
 
 namespace lidard {
@@ -272,6 +273,19 @@ TEST(Virtualizer, LostPacketsLeaveASectorUnobserved) {
   lose(one_lost, 50, 2);
   cut.make(one_lost, lidar16().pose);
   EXPECT_TRUE(std::isnan(cut.range(cut.strict, -10.2 * degree)));
+}
+
+TEST(Virtualizer, UnevenlySpacedColumnsLeaveNoHoles) {
+  for (const double jitter : {0.0, 0.3, 0.5}) {
+    test::rings::SmallLidar lidar(11);
+    lidar.columns = 900, lidar.jitter = jitter;
+    lidar.range = [&](std::size_t ring, std::size_t) { return 8 / std::cos(lidar.elevations[ring]); };
+    Cut cut;
+    cut.settings.ground.model = GroundModel::none;
+    cut.frame = make_pose({0, 0, -0.3}, {0, 0, 0});
+    cut.make(lidar.cloud(), Pose::Identity());
+    EXPECT_EQ(cut.count(cut.strict, BeamStatus::hit), cut.grid.beams) << jitter;
+  }
 }
 
 TEST(Virtualizer, TheVehicleItselfIsNeitherHitNorSeenThrough) {
