@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <deque>
+#include <filesystem>
 #include <functional>
 #include <iostream>
 
@@ -85,7 +86,11 @@ struct Commands {
     return c
         ->add_option("captures,--pcap", captures, std::string(capture_help) + "; several are merged by time")
         ->required()
-        ->expected(1, 1000);
+        ->expected(1, 1000)
+        ->check([](const std::string& file) {
+          const bool is_config = std::filesystem::path(file).extension() == ".yaml";
+          return is_config ? file + " is no capture; a configuration is given with -c" : std::string();
+        });
   }
   void add_run() {
     auto* c = app.add_subcommand("run", "The daemon: live sensors to ROS");

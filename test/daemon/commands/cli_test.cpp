@@ -193,6 +193,8 @@ TEST_F(CommandLine, ReplaysAtARateThatIsANumberOrMax) {
   const double lasted = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   EXPECT_GE(lasted, 0.27) << "twice as fast as recorded, no faster";
   EXPECT_EQ(lidard({"replay", "-c", demo_config}).exit, exit_usage);
+  EXPECT_THAT(lidard({"replay", demo_config, demo}).err,
+              HasSubstr("demo.yaml is no capture; a configuration is given with -c"));
   EXPECT_EQ(with({"--start", "-1"}).exit, exit_usage);
   EXPECT_EQ(with({"--wait", "3601"}).exit, exit_usage);
 }
