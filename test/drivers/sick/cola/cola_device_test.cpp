@@ -97,6 +97,31 @@ TEST(ColaDriver, APlaneMakesARingAndFourPlanesACloud) {
   EXPECT_TRUE(bench.has_warning("a plane at 7"));
 }
 
+TEST(ColaDriver, ThePlanesOfAnMrs1000AreCorrectedByTheAnglesThatAreSent) {
+  ColaBench bench("sick_mrs1000");
+  bench.sample.measurement_frequency = 180;
+  const sim::SickChannel distances{"DIST1", 1, 0, 0, 900000 / 65, true, {1000, 1000, 1000}};
+  const sim::SickChannel angles{
+      "ANGL1", 1, -32768, 0, 900000 / 65, true, {32768, 32768 + 5000, 32768 - 5000}};
+  for (const int layer : {250, -500, 0, -250}) {
+    bench.sample.layer = static_cast<std::int16_t>(layer);
+    bench.sample.channels = {distances};
+    if (layer == -500) bench.sample.channels.push_back(angles);
+    bench.send_next();
+  }
+  ASSERT_EQ(bench.clouds.size(), 1U);
+  const Cloud& cloud = bench.clouds[0];
+  ASSERT_EQ(cloud.size(), 12U);
+  for (std::size_t i = 0; i < 3; ++i) {
+    // The second plane's half a degree, in 1/10000 degree.
+    const CloudPoint &plain = cloud.points()[i], corrected = cloud.points()[3 + i],
+                     next = cloud.points()[6 + i];
+    const double turned = std::atan2(corrected.y, corrected.x) - std::atan2(plain.y, plain.x);
+    EXPECT_NEAR(turned * deg_per_rad, i == 0 ? 0 : i == 1 ? 0.5 : -0.5, 1e-4) << i;
+    EXPECT_NEAR(std::atan2(next.y, next.x), std::atan2(plain.y, plain.x), 1e-6) << "of one telegram alone";
+  }
+}
+
 TEST(ColaDriver, NothingIsAllocatedOnceItRuns) {
   for (const char* model : {"sick_lms5xx", "sick_mrs1000"}) {
     for (const Cola dialect : {Cola::binary, Cola::text}) {
