@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/angle.h"
+#include "core/mounts/wall_fit.h"
 
 namespace lidard {
 namespace {
@@ -36,6 +37,23 @@ TEST(MatchSurfaces, AFaceBesideTheEndsOfAnotherOneIsNotTakenForIt) {
     EXPECT_NEAR(found.y, at.y, 0.001) << beside;
     EXPECT_NEAR(found.yaw, at.yaw, 0.02 * rad_per_deg) << beside;
   }
+}
+
+TEST(WallFit, FacesOfOneLineWithAGapAreWallsOfTheirOwn) {
+  SeenPlace places[2];
+  for (SeenPlace& place : places) {
+    place.views.resize(1);
+    add_wall({4, -3}, {4, -1}, {}, place.surfaces), add_wall({4, 1}, {4, 3}, {}, place.surfaces);
+  }
+  std::vector<WallFit::Sensor> sensors(2);
+  sensors[0].place = &places[0], sensors[1].place = &places[1];
+  WallFit fit(sensors);
+  EXPECT_TRUE(fit.find_walls(0.3));
+  for (const WallFit::Sensor& sensor : fit.sensors()) EXPECT_EQ(sensor.shared, 2U);
+  places[1].surfaces.erase(places[1].surfaces.begin());
+  WallFit half(sensors);
+  EXPECT_TRUE(half.find_walls(0.3));
+  for (const WallFit::Sensor& sensor : half.sensors()) EXPECT_EQ(sensor.shared, 1U);
 }
 
 }  // namespace
