@@ -104,6 +104,16 @@ TEST(Discover, ReadsAnswersOfSickDevicesAndNothingElse) {
   EXPECT_EQ(read("<NetScanResult/>")->address, here);
 }
 
+TEST(Discover, ReadsAnswersOfHokuyosThatAnswerTheQuestion) {
+  const auto read = [](std::string_view answer) {
+    return hokuyo::discovery().read_answer(ByteView(answer), here);
+  };
+  ASSERT_TRUE(read("VV\n00P\n\n"));
+  EXPECT_FALSE(read("VV\n10Q\n\n")) << "a refusal";
+  EXPECT_FALSE(read("II\n00P\n\n")) << "an answer to another question";
+  EXPECT_TRUE(read("II\n00P\n\nVV\n00P\n\n"));
+}
+
 TEST(Discover, EachWayOfAskingHasAnOptionOfItsOwn) {
   std::set<std::string_view> names;
   for (const Family& family : families()) {
