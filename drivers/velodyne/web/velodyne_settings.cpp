@@ -174,7 +174,8 @@ Keys<S> wanted_keys() {
   return {
       whole("rpm", &S::rpm, slowest_rpm, fastest_rpm, "speed of rotation, a multiple of 60").checked(no_rpm),
       word("returns", &S::returns, returns, "which returns it sends"),
-      whole("fov_start_deg", &S::fov_start_deg, 0, 359, "the sector that it sends, as it counts azimuth"),
+      whole("fov_start_deg", &S::fov_start_deg, 0, 359,
+            "begin of the sector that it sends, as it counts azimuth"),
       whole("fov_end_deg", &S::fov_end_deg, 0, 360, "end of that sector; 0 to 360 is all"),
       text("host_address", &S::host_address, host_form, "where it sends").checked(no_host),
       whole("host_port", &S::host_port, 1, last_port, "the port that it sends its data to"),
