@@ -94,7 +94,8 @@ bool is_blocked(const std::optional<Footprint::Crossing>& body) {
   return body->in > Footprint::margin_m || body->out - body->in > housing_m;
 }
 
-/// First and last range at which a beam that begins at height `from` and climbs `slope` per m is in the band.
+/// First and last range at which a beam that begins at height `from` and climbs `slope` per m is in the band;
+/// the last one is below the first one if it never is.
 std::pair<float, float> clip(double from, double slope, HeightBand band) {
   if (std::abs(slope) < 1e-9) return {0.0F, from >= band.min && from <= band.max ? nowhere : -1.0F};
   const double at_min = (band.min - from) / slope;

@@ -69,8 +69,8 @@ class Visibility {
   float range(std::size_t beam) const { return nearest_.range[beam]; }
   /// m from the origin to the end of the observed free way.
   float covered(std::size_t beam) const { return covered_[beam]; }
-  /// True if every point of the beam's way is seen, by a slow method that shares nothing with compute(). For
-  /// tests and debug builds.
+  /// True if every point of the beam's way is seen, by a slow method that shares only the free space of the
+  /// sources with compute(). For tests and debug builds.
   bool is_seen_all_along(std::size_t beam) const;
 
  private:

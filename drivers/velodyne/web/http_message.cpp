@@ -40,7 +40,7 @@ HttpAnswer read_http_answer(std::string_view bytes, bool ended) {
   if (!error && header < bytes.size())
     parser.put(boost::asio::buffer(bytes.data() + header, bytes.size() - header), error);
   if (error == http::error::need_more) error = {};
-  // The parser asserts that something came.
+  // put_eof() asserts that the parser was given bytes.
   if (!error && ended && !bytes.empty() && !parser.is_done()) parser.put_eof(error);
   HttpAnswer answer;
   if (parser.is_header_done()) {
