@@ -198,6 +198,26 @@ TEST(ScipDriver, ParametersInACaptureReplaceThoseOfTheTable) {
   EXPECT_EQ(bench.detail("Product Name"), "URG-04LX");
 }
 
+// Fields of view of the data sheets: UST and UTM 270 deg, UXM 190 deg, all about the front.
+TEST(ScipDriver, WithoutParametersInACaptureTheFieldOfViewIsThatOfTheDataSheet) {
+  for (const auto& [model, last, fov] : {std::tuple{"hokuyo_ust_05lx", 1080, 270},
+                                         {"hokuyo_ust_10lx", 1080, 270},
+                                         {"hokuyo_ust_20lx", 1080, 270},
+                                         {"hokuyo_ust_30lx", 1080, 270},
+                                         {"hokuyo_utm_30lx_ew", 1080, 270},
+                                         {"hokuyo_uxm_30lx_ew", 760, 190}}) {
+    SCOPED_TRACE(model);
+    ScipDeviceOptions options;
+    options.last_step = last;
+    TcpBench bench(model);
+    const std::string end = last == 1080 ? "1080" : "0760";
+    bench.feed(recording(options, "MD0000" + end + "00000", 200ms, scip_wall(last + 1)), true);
+    ASSERT_GE(bench.scans.size(), 1U);
+    EXPECT_NEAR(bench.scans[0].angle_min, -fov * rad_per_deg / 2, 1e-5);
+    EXPECT_NEAR(bench.scans[0].angle_max, fov * rad_per_deg / 2, 1e-5);
+  }
+}
+
 TEST(ScipDriver, ParametersThatCannotBeUsedAreAWarningAndTheTableStands) {
   TcpBench bench("hokuyo_ust_10lx");
   bench.feed(std::string("PP\n00P\nMODL:URG-04LX;") + hokuyo::scip_checksum("MODL:URG-04LX") + "\n\n", true);

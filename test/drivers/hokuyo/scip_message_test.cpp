@@ -118,6 +118,12 @@ TEST(ScipMessage, ParametersAreReadWithEitherChecksum) {
   EXPECT_NEAR(p.step_seconds(), 0.025 / 1440, 1e-12);
   const std::string other = std::string("DMIN:23;") + scip_checksum("DMIN:23;") + "\n";
   ASSERT_TRUE(parse_parameters("MODL:UTM-30LX-EW;I\n" + other + text.substr(text.find("DMAX")), p, product));
+  const auto with_line = [&](const std::string& key, const std::string& line) {
+    const std::size_t at = text.find(key), end = text.find('\n', at);
+    return text.substr(0, at) + line + ";" + scip_checksum(line) + text.substr(end);
+  };
+  ASSERT_TRUE(parse_parameters(with_line("AMAX", "AMAX:1"), p, product));
+  EXPECT_FALSE(parse_parameters(with_line("AMAX", "AMAX:0"), p, product)) << "one step is no sweep";
   text.replace(text.find("60000"), 5, "70000");
   EXPECT_FALSE(parse_parameters(text, p, product)) << "checksum";
   EXPECT_FALSE(parse_parameters("DMIN:23;7\n", p, product)) << "lines are missing";
