@@ -9,6 +9,7 @@
 #include <cmath>
 #include <thread>
 
+#include "drivers/net/udp_socket.h"
 #include "test/drivers/net/udp_bench.h"
 #include "test/support/allocations.h"
 
@@ -84,6 +85,16 @@ TEST(UdpSource, MissingInterfaceIsNamedWhileUnicastGoesOn) {
   Sender sender;
   sender.send(bench.port(), "x");
   EXPECT_TRUE(bench.run_until_count(1));
+}
+
+TEST(UdpSource, AGroupThatCannotBeJoinedIsExplained) {
+  const IpAddress group = IpAddress::v4(239, 1, 2, 3);
+  const auto says = [&](const std::string& interface, int error, const std::string& part) {
+    return why_not_joined({group, interface}, error).find(part) != std::string::npos;
+  };
+  EXPECT_TRUE(says("eth7", ENXIO, "there is no interface eth7; compare with `ip link`"));
+  EXPECT_TRUE(says("10.0.0.7", ENODEV, "no interface has the address 10.0.0.7; compare with `ip -4 address`"));
+  EXPECT_TRUE(says("", ENODEV, "no interface leads to it; name the sensor's interface"));
 }
 
 TEST(UdpSource, TellsSensorsOnOnePortApart) {

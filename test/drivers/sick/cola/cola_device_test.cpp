@@ -64,6 +64,25 @@ TEST(ColaDriver, StatesGoOutOnTheirTopics) {
   }
 }
 
+// The order is that of the telegrams of an MRS1104 (mrs1000_capture_test.cpp).
+TEST(ColaDriver, AnInertialUnitIsReadUnlessANumberIsNone) {
+  ColaBench bench("sick_mrs1000");
+  const auto telegram = [&](float last_of_rates, std::uint32_t time_us) {
+    sim::ColaWords words(Cola::binary, "sSN InertialMeasurementUnit");
+    for (const float value : {0.5F, -0.25F, 9.75F, 0.01F, -0.02F, last_of_rates}) words.real(value);
+    words.number(0, 4).number(0, 4).number(0, 4);
+    for (const float value : {0.8F, 0.F, 0.F, 0.6F}) words.real(value);
+    return words.number(0, 4).number(time_us, 4).bytes();
+  };
+  EXPECT_EQ(bench.send(telegram(0.03F, 1'000'000)), Reject::none);
+  EXPECT_EQ(bench.send(telegram(std::numeric_limits<float>::quiet_NaN(), 1'010'000)), Reject::field);
+  ASSERT_EQ(bench.imus.size(), 1U);
+  EXPECT_NEAR((bench.imus[0].linear_acceleration - Eigen::Vector3d(0.5, -0.25, 9.75)).norm(), 0, 1e-6);
+  EXPECT_NEAR((bench.imus[0].angular_velocity - Eigen::Vector3d(0.01, -0.02, 0.03)).norm(), 0, 1e-6);
+  ASSERT_TRUE(bench.imus[0].orientation);
+  EXPECT_NEAR(bench.imus[0].orientation->angularDistance(Eigen::Quaterniond(0.8, 0, 0, 0.6)), 0, 1e-6);
+}
+
 TEST(ColaDriver, APlaneMakesARingAndFourPlanesACloud) {
   DriverConfig config;
   config.keep_origins = true;

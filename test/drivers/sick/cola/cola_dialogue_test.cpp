@@ -216,10 +216,14 @@ TEST(ColaDialogue, AfterALoginItLetsTheDeviceRun) {
   FakeDevice device(bench);
   device.answers["sEN LMDscandata"] = refusal(Cola::binary, 1);
   bench.driver->connected(bench.now, bench);
-  for (int i = 0; i < 5; ++i) {
+  for (int i = 0; i < 10; ++i) {
     if (bench.requests.size() == 5) device.answers.clear();
-    device.run();
+    device.run(1);
   }
+  EXPECT_THAT(device.commands(),
+              ElementsAre("sRN DeviceIdent", "sRN LMPoutputRange", "sRN LMDscandatacfg", "sEN LMDscandata",
+                          "sMN SetAccessMode", "sEN LMDscandata", "sMN Run"));
+  EXPECT_EQ(bench.reconnects, 0);
   EXPECT_EQ(bench.requests.at(4),
             ColaWords(Cola::binary, "sMN SetAccessMode").number(3, 1).number(0x6FD62C05, 4).bytes())
       << "the password of a TiM7xxS";
