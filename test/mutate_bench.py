@@ -338,7 +338,7 @@ class Bench:
 
     def run_script(self, script, folder):
         environment = dict(os.environ, LIDARD=str(folder / "lidard"), LIDARD_SIM=str(folder / "lidard-sim"),
-                           LIDARD_SOURCE_DIR=str(self.work))
+                           LIDARD_CLOCK_SHIM=str(self.build / "libclock_shim.so"), LIDARD_SOURCE_DIR=str(self.work))
         code, _ = self.processes.run(["/usr/bin/python3", script], self.build, 300, environment)
         return code in (0, 77)
 

@@ -13,6 +13,9 @@ constexpr std::int64_t ms = 1'000'000;
 constexpr std::int64_t step_limit = 50 * ms;
 /// Packets that are all late for longer are a step, not a stall.
 constexpr std::int64_t late_limit = 500 * ms;
+/// No stall is so long: the kernel stamps arrivals, and TCP ends a connection sooner. One such packet is a
+/// step (a device that was off for longer than the overflow its counter seems to have had).
+constexpr std::int64_t longest_stall = 10'000 * ms;
 /// Windows grow from the first length to the last: a crystal's drift is steady for as long as all windows
 /// last then (16 s), and each of the slowest sensor's windows holds some packets.
 constexpr std::int64_t first_window = 50 * ms, last_window = 400 * ms;
@@ -83,7 +86,7 @@ void DeviceClock::follow(std::int64_t device, std::int64_t arrival) {
   const std::int64_t residual = offset - predicted_offset(device);
   if (residual > step_limit && late_since_ == 0) late_since_ = arrival;
   const bool late_for_long = residual > step_limit && std::abs(arrival - late_since_) > late_limit;
-  if (residual < -step_limit || late_for_long) {
+  if (residual < -step_limit || residual > longest_stall || late_for_long) {
     ++steps_;
     restart();
     return begin(device, offset);

@@ -42,9 +42,7 @@ class Flattener {
   /// Drops points inside the vehicle's outline (in the output frame).
   void set_footprint(const Footprint& footprint) { own_ = footprint; }
 
-  bool is_own(const Eigen::Vector3d& point) const {
-    return !own_.empty() && own_.contains(point.head<2>());
-  }
+  bool is_own(const Eigen::Vector3d& point) const { return !own_.empty() && own_.contains(point.head<2>()); }
 
   const ScanGrid& grid() const { return raster_.grid(); }
 

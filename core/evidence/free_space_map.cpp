@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "core/base/angle.h"
+#include "core/base/bytes.h"
 #include "core/base/clones.h"
 
 namespace lidard {
@@ -185,6 +186,8 @@ void FreeSpaceMap::place_beams(const float* dx, const float* dy, std::size_t bea
     border = at + step / 2;
     add_slots(beam, std::min(beam + 1, last), beam, at, border);
     at += step;
+    // Beyond a wide step the sum of steps is not the direction.
+    if (beam < last && step == 0) at = border = (static_cast<double>(azimuth(beam + 1)) + pi_d) * per_rad;
   }
 }
 
@@ -242,7 +245,7 @@ void FreeSpaceMap::limit_pair(const PlacedScan& sweep, std::size_t beam, float s
   const float at = azimuths_[beam];
   const float to = lengths_[beam];
   const float next = lengths_[beam + 1];
-  const float from = std::max(sweep.free_from[beam], sweep.free_from[beam + 1]);
+  const float from = std::max(begins_[beam], begins_[beam + 1]);
   const bool nearer = to <= next;
   const bool hides = sweep.kind[nearer ? beam : beam + 1] != Return::nothing;
   if (sweep.linked[beam] != 0) {
@@ -255,40 +258,49 @@ void FreeSpaceMap::limit_pair(const PlacedScan& sweep, std::size_t beam, float s
   const float begin = nearer ? at : at + step, end = nearer ? at + step : at;
   const float border = nearer ? end - passed : end + passed;
   limit(begin, border, from, shorter, shorter, hides);
-  limit(border, end, sweep.free_from[nearer ? beam + 1 : beam], longer, longer,
+  limit(border, end, begins_[nearer ? beam + 1 : beam], longer, longer,
         sweep.kind[nearer ? beam + 1 : beam] != Return::nothing);
 }
 
 void FreeSpaceMap::fill_moved(const PlacedScan& sweep) {
   const std::size_t beams = sweep.kind.size();
   const auto count = static_cast<float>(size());
-  azimuths_.resize(beams);
-  lengths_.resize(beams);
+  resize_amply(beams, azimuths_, lengths_, begins_);
   // Local copies let the loop be vectorised.
   const float per_rad = per_rad_;
   const float *const x = sweep.free_x.data(), *const y = sweep.free_y.data(),
-                     *const to = sweep.free_to.data();
-  float *const azimuths = azimuths_.data(), *const lengths = lengths_.data();
+                     *const to = sweep.free_to.data(), *const from = sweep.free_from.data(),
+                     *const moved = sweep.origin_moved.data();
+  float *const azimuths = azimuths_.data(), *const lengths = lengths_.data(), *const begins = begins_.data();
   for (std::size_t i = 0; i < beams; ++i) {
     const float length = std::sqrt(x[i] * x[i] + y[i] * y[i]);
     azimuths[i] = (fast_atan2(y[i], x[i]) + static_cast<float>(pi_d)) * per_rad;
     lengths[i] = to[i] > 0 ? length : 0;
+    begins[i] = from[i] > 0 ? from[i] + moved[i] : 0;
   }
   const auto is_free = [&](std::size_t i) { return i < beams && lengths_[i] > 0; };
   for (std::size_t i = 0; i < beams; ++i) {
     if (!is_free(i)) continue;
     const float at = azimuths_[i];
     const bool hides = sweep.kind[i] != Return::nothing;
-    if (i == 0 || !is_free(i - 1))
-      limit(at - half_beam_, at, sweep.free_from[i], lengths_[i], lengths_[i], hides);
+    if (i == 0 || !is_free(i - 1)) limit(at - half_beam_, at, begins_[i], lengths_[i], lengths_[i], hides);
     if (!is_free(i + 1)) {
-      limit(at, at + half_beam_, sweep.free_from[i], lengths_[i], lengths_[i], hides);
+      limit(at, at + half_beam_, begins_[i], lengths_[i], lengths_[i], hides);
       continue;
     }
     float step = azimuths_[i + 1] - at;
     if (step > count / 2) step -= count;
     if (step < -count / 2) step += count;
-    if (std::fabs(step) < widest_step * per_rad_) limit_pair(sweep, i, step);
+    if (std::fabs(step) < widest_step * per_rad_) {
+      limit_pair(sweep, i, step);
+      continue;
+    }
+    // What is near has moved away from its neighbours in direction; it still hides what is behind.
+    for (const std::size_t k : {i, i + 1}) {
+      if (sweep.kind[k] == Return::nothing) continue;
+      limit(azimuths_[k] - 2 * half_beam_, azimuths_[k] + 2 * half_beam_, begins_[k], lengths_[k],
+            lengths_[k], true);
+    }
   }
 }
 

@@ -172,6 +172,7 @@ class FreeSpaceMap {
   std::vector<Run> runs_;             // by length (1, 2, 4 ... cells), then by first cell
   std::vector<float> azimuths_;       // cells from -pi, of the ends of moved beams
   std::vector<float> lengths_;        // m, free ways of moved beams
+  std::vector<float> begins_;         // m, where these begin
   std::vector<float> starts_, ends_;  // m, of each cell's free way; end < 0: none
   std::vector<Slot> slots_;
 };

@@ -33,9 +33,7 @@ class Conditioner {
     if (settings_.veil_filter && n > 2) mark_mixed_pixels(rays_, settings_.noise, sweep_);
     for (std::size_t beam = 0; beam < n; ++beam) {
       if (sweep_.kind[beam] != Return::surface) continue;
-      const float early = sweep_.free_to[beam];
       free_in_band(beam, sweep_.range[beam]);
-      if (early > 0) sweep_.free_to[beam] = std::min(sweep_.free_to[beam], early);
     }
     shorten_mixed_pixels();
     for (std::size_t beam = 0; beam < n; ++beam) {
@@ -82,6 +80,7 @@ class Conditioner {
 
   void accept_hit(std::size_t beam, std::size_t i) {
     const float range = scan_.ranges[i];
+    if (scan_.echoes > 1) keep_early_echoes(beam, i);
     if (range >= rays_.own_begin[beam] && range <= rays_.own_end[beam]) {
       ++sweep_.own_returns;
       free_in_band(beam, rays_.own_begin[beam]);
@@ -95,7 +94,6 @@ class Conditioner {
     sweep_.kind[beam] = Return::surface;
     sweep_.range[beam] = range;
     if (!sweep_.intensity.empty()) sweep_.intensity[beam] = scan_.intensities[i];
-    if (scan_.echoes > 1) keep_early_echoes(beam, i);
   }
 
   void accept_none(std::size_t beam) {
@@ -103,15 +101,28 @@ class Conditioner {
     free_in_band(beam, std::min(open_, rays_.blocked_at[beam]));
   }
 
+  /// True for a return that is neither the vehicle's nor seen through it.
+  bool counts(std::size_t beam, std::size_t i) const {
+    const float r = scan_.ranges[i];
+    return usable(i) && !(r >= rays_.own_begin[beam] && r <= rays_.own_end[beam]) &&
+           r <= rays_.blocked_at[beam];
+  }
+
+  /// The way beyond an early echo is not free, although later echoes were measured through it.
+  float to_first_echo(std::size_t beam, float to) const {
+    for (std::size_t echo = 0; echo < scan_.echoes; ++echo) {
+      const std::size_t i = scan_.index(beam, echo);
+      if (counts(beam, i)) to = std::min(to, scan_.ranges[i]);
+    }
+    return to;
+  }
+
   void keep_early_echoes(std::size_t beam, std::size_t chosen) {
     if (settings_.echoes != EchoChoice::all) return;
     for (std::size_t echo = 0; echo < scan_.echoes; ++echo) {
       const std::size_t i = scan_.index(beam, echo);
       const float r = scan_.ranges[i];
-      if (i == chosen || !usable(i) || r >= scan_.ranges[chosen]) continue;
-      // The way beyond an early echo is not free, although later echoes were measured through it.
-      const float to = r * rays_.level[beam];
-      sweep_.free_to[beam] = sweep_.free_to[beam] > 0 ? std::min(sweep_.free_to[beam], to) : to;
+      if (i == chosen || !counts(beam, i) || r >= scan_.ranges[chosen]) continue;
       if (r < rays_.band_begin[beam] || r > rays_.band_end[beam]) continue;
       sweep_.early_returns.push_back({beam, r, scan_.intensities.empty() ? 0 : scan_.intensities[i]});
     }
@@ -136,6 +147,7 @@ class Conditioner {
 
   /// Marks the beam free up to range `to`, within the height band.
   void free_in_band(std::size_t beam, float to) {
+    if (scan_.echoes > 1 && settings_.echoes == EchoChoice::all) to = to_first_echo(beam, to);
     const float end = std::min(to, rays_.band_end[beam]);
     const float observed_from = scan_.free_from.empty() ? 0 : scan_.free_from[beam];
     const float begin = std::max(rays_.band_begin[beam], observed_from);
@@ -174,7 +186,7 @@ Eigen::Vector3d ray_of(const BeamRays& rays, std::size_t beam) {
 
 /// Places returns and the ends of free ways of the beams of a stretch, in one component of the plane.
 void place_stretch(const BeamRays& rays, const SweepMotion::Stretch& stretch, Eigen::Index row,
-                   const PlacedScan& sweep, float* at, float* free_end) {
+                   PlacedScan& sweep, float* at, float* free_end) {
   const Eigen::Vector4d here = rays.pose.translation().homogeneous();
   const double own = here[row], from = stretch.from.row(row) * here, change = stretch.change.row(row) * here;
   const Eigen::Vector4d turn = stretch.from.row(row), turning = stretch.change.row(row);
@@ -188,6 +200,7 @@ void place_stretch(const BeamRays& rays, const SweepMotion::Stretch& stretch, Ei
     const auto end = static_cast<double>(sweep.free_to[beam] / rays.level[beam]);
     at[beam] = static_cast<float>(begin + static_cast<double>(sweep.range[beam]) * ray);
     free_end[beam] = static_cast<float>(begin + end * ray - own);
+    sweep.origin_moved[beam] += static_cast<float>(std::fabs(begin - own));
   }
 }
 
@@ -196,6 +209,7 @@ void place_moving(const BeamRays& rays, const SweepMotion& motion, PlacedScan& s
   const Eigen::Vector3d& here = rays.pose.translation();
   sweep.free_x.resize(sweep.kind.size());
   sweep.free_y.resize(sweep.kind.size());
+  sweep.origin_moved.assign(sweep.kind.size(), 0);
   for (const SweepMotion::Stretch& stretch : motion.stretches()) {
     place_stretch(rays, stretch, 0, sweep, sweep.x.data(), sweep.free_x.data());
     place_stretch(rays, stretch, 1, sweep, sweep.y.data(), sweep.free_y.data());

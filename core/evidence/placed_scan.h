@@ -82,6 +82,7 @@ struct PlacedScan {
   std::vector<Point> early_echoes;    ///< places of the early returns
   bool moved = false;                 ///< the vehicle moved; free_x and free_y are valid
   std::vector<float> free_x, free_y;  ///< m from the source's place at the instant to the end of the free way
+  std::vector<float> origin_moved;    ///< m, of each beam at most, to that place
 };
 
 /// Fills `sweep` from a scan (conditioning, continuity, mixed pixels), except for the members in the output

@@ -114,6 +114,10 @@ struct Cloud {
   std::vector<CloudColumn> columns;
   std::vector<ReturnOrigin> origins;  ///< empty, or one per point
   std::vector<NearReturn> too_near;   ///< in order of columns; only where asked for
+  /// m, of DriverConfig::max_range: farther returns have no point, and no return proves no more; 0: no limit.
+  double max_range = 0;
+  bool bank_by_bank =
+      false;  ///< a column holds the returns of a part of the rings; the others were not fired
   /// Rows of an organised cloud (CloudArranger), in which missing returns are NaN; 0: a list, as drivers make
   /// clouds.
   std::uint32_t height = 0;

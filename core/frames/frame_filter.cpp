@@ -42,14 +42,20 @@ void keep(std::vector<Value>& values, const std::vector<FilterVerdict>& verdicts
 /// behind its last one.
 void keep_echoes(std::size_t beam, const FilterVerdict*& verdict, PlanarScan& scan) {
   std::size_t kept = 0;
+  bool removed = false;
   for (std::size_t echo = 0; echo < scan.echoes; ++echo) {
     const std::size_t from = scan.index(beam, echo);
-    if (scan.statuses[from] == BeamStatus::hit && *verdict++ != FilterVerdict::kept) continue;
+    if (scan.statuses[from] == BeamStatus::hit && *verdict++ != FilterVerdict::kept) {
+      removed = true;
+      continue;
+    }
     const std::size_t to = scan.index(beam, kept++);
     scan.statuses[to] = scan.statuses[from];
     scan.ranges[to] = scan.ranges[from];
     if (!scan.intensities.empty()) scan.intensities[to] = scan.intensities[from];
   }
+  // That there was no second echo does not show that there is nothing.
+  if (removed && kept > 0 && scan.statuses[scan.index(beam)] == BeamStatus::none) kept = 0;
   for (; kept < scan.echoes; ++kept) {
     const std::size_t i = scan.index(beam, kept);
     scan.set_without_hit(i, BeamStatus::invalid);

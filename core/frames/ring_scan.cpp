@@ -191,8 +191,8 @@ void RingScan::fill(PlanarScan& scan) const {
 bool RingScan::convert(const Cloud& cloud, PlanarScan& scan) {
   if (cloud.columns.empty()) return false;
   gather(cloud);
+  place(cloud);  // a hit has the offset of its ring already, a beam without return has not
   if (!measure(cloud)) return false;
-  place(cloud);
   scan.frame_id = cloud.frame_id;
   scan.reset(beams_);
   scan.range_min = static_cast<float>(spec_.range_min);

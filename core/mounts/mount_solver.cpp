@@ -261,12 +261,19 @@ MountSolution solve_mounts(const std::vector<MountedSensor>& sensors, std::size_
   const auto is_placed = [&](std::size_t i) {
     return std::find(placed.begin(), placed.end(), i) != placed.end();
   };
+  /// Whether the sensor of a pair that is not placed yet hangs the other way up than the reference.
+  const auto is_mirrored_by = [&](const Pair& pair) {
+    return solution.sensors[is_placed(pair.first) ? pair.first : pair.second].is_mirrored != pair.is_mirrored;
+  };
   std::vector<SeenPlace> seen;
   for (const MountedSensor& sensor : sensors) seen.push_back(sensor.place);
   for (std::size_t round = 1; round < sensors.size(); ++round) {
     const Pair* best = nullptr;
     for (const Pair& pair : pairs) {
       if (!pair.is_sure || is_placed(pair.first) == is_placed(pair.second)) continue;
+      const std::size_t next = is_placed(pair.first) ? pair.second : pair.first;
+      if (is_mirrored_by(pair) && !sensors[next].place.is_planar())
+        continue;  // the reference hangs upside down
       if (best == nullptr || pair.margin > best->margin) best = &pair;
     }
     if (best == nullptr) break;
@@ -275,10 +282,14 @@ MountSolution solve_mounts(const std::vector<MountedSensor>& sensors, std::size_
                       added = forward ? best->second : best->first;
     MountEstimate& estimate = solution.sensors[added];
     estimate.verdict = MountVerdict::found;
-    estimate.pose = solution.sensors[known].pose * (forward ? best->pose : best->pose.inverse());
-    estimate.is_mirrored = best->is_mirrored;
+    // With M for the mirror: T M inverted is M inv(T), that is (M inv(T) M) M; M T is (M T M) M.
+    PlanarPose step = forward ? best->pose : best->pose.inverse();
+    const bool turned = solution.sensors[known].is_mirrored;
+    if ((!forward && best->is_mirrored) != turned) step = {step.x, -step.y, -step.yaw};
+    estimate.pose = solution.sensors[known].pose * step;
+    estimate.is_mirrored = is_mirrored_by(*best);
     estimate.as_configured = best->as_configured, estimate.as_found = best->as_found;
-    if (best->is_mirrored) seen[added] = mirrored(seen[added]);
+    if (estimate.is_mirrored) seen[added] = mirrored(seen[added]);
     placed.push_back(added);
   }
   for (const Pair& pair : pairs) {

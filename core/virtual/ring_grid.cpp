@@ -45,6 +45,7 @@ float length(const BeamEnd& end) { return std::sqrt(end.x * end.x + end.y * end.
 void RingGrid::set_footprint(const Footprint& own, const Pose& vehicle_from_cloud) {
   own_ = own;
   vehicle_from_cloud_ = vehicle_from_cloud;
+  hangs_ = vehicle_from_cloud.linear()(2, 2) < 0;
   double reach = 0;
   const Eigen::Vector2d origin = vehicle_from_cloud.translation().head<2>();
   for (const auto& corner : own.vertices()) reach = std::max(reach, (corner - origin).norm());
@@ -63,7 +64,7 @@ bool RingGrid::organise(const Cloud& cloud, const CloudMotion* motion) {
 }
 
 bool RingGrid::fires_in_columns(const Cloud& cloud) {
-  if (cloud.columns.size() < fewest_columns || cloud.rings < 2) return false;
+  if (cloud.columns.size() < fewest_columns || cloud.rings < 2 || cloud.bank_by_bank) return false;
   turns_.resize(cloud.columns.size());
   turns_[0] = 0;
   double turned = 0;
@@ -142,8 +143,9 @@ void RingGrid::organise_columns(const Cloud& cloud, const CloudMotion* motion) {
     fill_column(cloud, c, moves ? &motion->columns()[c] : nullptr);
   }
   if (!moves) measure_ranges();
+  extend_azimuths();
   mark_too_near(cloud);
-  place_without_return(motion);
+  place_without_return(cloud, motion);
   bridge_single_gaps();
 }
 
@@ -156,11 +158,21 @@ void RingGrid::number_shifts() {
   const auto columns = static_cast<long>(columns_);
   for (std::size_t r = 0; r < rings_; ++r) {
     const long shift = std::lround(table_.offset(r) / step_) % columns;
-    shifts_[r] = static_cast<std::uint32_t>(shift < 0 ? shift + columns : shift);
-    offsets_[r] = index(shifts_[r], r);
-    elevations_[r] = table_.elevation(r);
-    known_[r] = table_.is_known(r) ? 1 : 0;
-    straight_ = straight_ && shift == 0 && known_[r] != 0;
+    const std::size_t row = row_of(r);
+    shifts_[row] = static_cast<std::uint32_t>(shift < 0 ? shift + columns : shift);
+    offsets_[r] = index(shifts_[row], row);
+    elevations_[row] = table_.elevation(r);
+    known_[row] = table_.is_known(r) ? 1 : 0;
+    straight_ = straight_ && shift == 0 && known_[row] != 0;
+  }
+}
+
+/// Beams with an offset of azimuth lie in columns that were not fired, in gaps of any width.
+void RingGrid::extend_azimuths() {
+  for (std::size_t c = 1; c < columns_; ++c) {
+    if (fired_[c] != 0) continue;
+    azimuths_[c] = azimuths_[c - 1] + static_cast<float>(step_);
+    times_[c] = times_[c - 1];
   }
 }
 
@@ -225,8 +237,8 @@ void RingGrid::check(std::size_t at) {
 void RingGrid::mark_too_near(const Cloud& cloud) {
   for (const NearReturn& near : cloud.too_near) {
     if (near.column >= places_.size() || places_[near.column] == nowhere || near.ring >= rings_) continue;
-    const std::size_t to = (places_[near.column] + shifts_[near.ring]) % columns_;
-    if (kind[index(to, near.ring)] != Beam::point) kind[index(to, near.ring)] = Beam::own;
+    const std::size_t to = (index(places_[near.column], 0) + offsets_[near.ring]) % kind.size();
+    if (kind[to] != Beam::point) kind[to] = Beam::own;
   }
 }
 
@@ -256,9 +268,10 @@ void RingGrid::put(std::size_t at, const CloudPoint& point, const Pose* move) {
   ends[at] = end;
 }
 
-void RingGrid::place_without_return(const CloudMotion* motion) {
+void RingGrid::place_without_return(const Cloud& cloud, const CloudMotion* motion) {
   const bool moves = motion != nullptr && !motion->stands();
-  const double reach = settings_.no_return_free_range;
+  const double wanted = settings_.no_return_free_range;
+  const double reach = cloud.max_range > 0 ? std::min(wanted, cloud.max_range) : wanted;
   level_.resize(rings_);
   rise_.resize(rings_);
   for (std::size_t r = 0; r < rings_; ++r) {
@@ -279,12 +292,9 @@ void RingGrid::place_without_return(const CloudMotion* motion) {
         continue;
       }
       if (!ready) {
-        // A column that was not fired has beams of its neighbours.
-        const std::size_t from = fired_[c] != 0 || c == 0 ? c : c - 1;
-        const float azimuth = azimuths_[from] + (from == c ? 0 : static_cast<float>(step_));
-        cosine = std::cos(azimuth);
-        sine = -std::sin(azimuth);
-        if (moves) move = motion->at(static_cast<double>(times_[from]));
+        cosine = std::cos(azimuths_[c]);
+        sine = -std::sin(azimuths_[c]);
+        if (moves) move = motion->at(static_cast<double>(times_[c]));
         ready = true;
       }
       const std::size_t at = index(c, r);

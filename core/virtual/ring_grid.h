@@ -63,8 +63,8 @@ struct RingGridSettings {
   bool early_returns = false;
 };
 
-/// A cloud as a grid of rings (ascending elevation) and azimuth columns. Neighbours of a beam are the same
-/// ring in the next column and the next ring in the same column.
+/// A cloud as a grid of rings (from the lowest beam on the vehicle to the highest) and azimuth columns.
+/// Neighbours of a beam are the same ring in the next column and the next ring in the same column.
 ///
 /// Lasers with different azimuth offsets are sorted into columns: the beams of one column point to one
 /// azimuth within half a column. Columns of lost packets stay `unknown`. Buffers keep their memory.
@@ -109,6 +109,7 @@ class RingGrid {
   void number_columns(const Cloud& cloud);
   void number_shifts();
   void open_column(std::size_t column, double azimuth);
+  void extend_azimuths();
   void fill_column(const Cloud& cloud, std::size_t column, const Pose* move);
   void measure_ranges();
   void check(std::size_t at);
@@ -122,7 +123,9 @@ class RingGrid {
   void clear_grid(std::size_t columns, std::size_t rings);
   void put(std::size_t at, const CloudPoint& point, const Pose* move);
   bool is_own(const BeamEnd& end) const;
-  void place_without_return(const CloudMotion* motion);
+  /// Of a lidar that hangs upside down the last ring is the lowest.
+  std::size_t row_of(std::size_t ring) const { return hangs_ ? rings_ - 1 - ring : ring; }
+  void place_without_return(const Cloud& cloud, const CloudMotion* motion);
   void bridge_single_gaps();
   void bridge(std::size_t before, std::size_t at, std::size_t after);
 
@@ -131,6 +134,7 @@ class RingGrid {
   Footprint own_;
   Pose vehicle_from_cloud_ = Pose::Identity();
   float own_reach_ = 0;  // m from the cloud's origin to the vehicle's farthest corner
+  bool hangs_ = false;   // upside down
   const char* why_not_ = "";
   std::size_t rings_ = 0;
   std::size_t columns_ = 0;
@@ -144,7 +148,7 @@ class RingGrid {
   std::vector<float> times_;                 // s after the cloud's stamp, per column
   std::vector<double> turns_;                // rad from the previous column, per column of the cloud
   std::vector<std::uint32_t> places_;        // column in the grid, per column of the cloud
-  std::vector<std::uint32_t> shifts_;        // columns by which a ring points ahead, in [0, columns_)
+  std::vector<std::uint32_t> shifts_;        // columns by which a row points ahead, in [0, columns_)
   std::vector<std::size_t> offsets_;         // index of a ring's beam relative to the begin of its column
   bool straight_ = false;                    // all rings are known and not shifted
   std::vector<std::uint16_t> rows_;          // row per ring number of the cloud, for clouds without columns

@@ -29,7 +29,7 @@ void RingLinks::set(const RingGrid& grid, double noise) {
   upright_slopes_.assign(grid.rings(), 0);
   for (std::size_t r = 0; r + 1 < grid.rings(); ++r) {
     if (!grid.is_known(r) || !grid.is_known(r + 1)) continue;
-    upright_slopes_[r] = slope_of(std::clamp(grid.elevation(r + 1) - grid.elevation(r), 0.0, 0.3));
+    upright_slopes_[r] = slope_of(std::min(std::fabs(grid.elevation(r + 1) - grid.elevation(r)), 0.3));
   }
 }
 

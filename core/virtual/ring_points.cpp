@@ -122,7 +122,7 @@ std::uint16_t nearest_ring(const std::vector<float>& elevations, const CloudPoin
 
 }  // namespace
 
-/// Fills rows_: the row of each ring number, in order of elevation.
+/// Fills rows_: the row of each ring number, in order of elevation on the vehicle.
 bool RingGrid::number_rings(const Cloud& cloud) {
   if (cloud.rings > 1) {
     found_.clear();
@@ -139,6 +139,7 @@ bool RingGrid::number_rings(const Cloud& cloud) {
         const double its = table_.is_known(other) ? table_.elevation(other) : 10;
         if (its < mine || (its == mine && other < r)) ++row;
       }
+      row = row_of(row);
       rows_[r] = static_cast<std::uint16_t>(row);
       elevations_[row] = table_.elevation(r);
       known_[row] = table_.is_known(r) ? 1 : 0;
@@ -148,6 +149,7 @@ bool RingGrid::number_rings(const Cloud& cloud) {
   if (found_.empty()) find_rings(cloud, found_);
   rings_ = found_.size();
   elevations_.assign(found_.begin(), found_.end());
+  if (hangs_) std::reverse(elevations_.begin(), elevations_.end());
   known_.assign(rings_, 1);
   return rings_ > 1;
 }
@@ -251,7 +253,7 @@ bool RingGrid::organise_points(const Cloud& cloud, const CloudMotion* motion) {
     if (!finite)
       point_rows_[i] = 0xFFFF;
     else if (!found_.empty())
-      point_rows_[i] = nearest_ring(found_, p);
+      point_rows_[i] = static_cast<std::uint16_t>(row_of(nearest_ring(found_, p)));
     else
       point_rows_[i] = p.ring < rings_ ? rows_[p.ring] : std::uint16_t{0xFFFF};
   }
@@ -268,7 +270,7 @@ bool RingGrid::organise_points(const Cloud& cloud, const CloudMotion* motion) {
   measure_phases(cloud);
   place_points(cloud, motion);
   open_gaps();
-  place_without_return(motion);
+  place_without_return(cloud, motion);
   bridge_single_gaps();
   return true;
 }

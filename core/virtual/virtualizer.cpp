@@ -140,7 +140,10 @@ void Virtualizer::place(Frame& frame, std::size_t index, const Pose& virtual_fro
   const Pose vehicle = virtual_from_cloud * lidar.placed.vehicle_from_cloud.inverse();
   frame.visibility.set_footprint(footprint_.transformed(vehicle));
   // Points alone prove nothing.
-  if (!lidar.organised && lidars_.size() > 1) return;
+  if (!lidar.organised && lidars_.size() > 1) {
+    place.placed = false;
+    return;
+  }
   const Eigen::Vector3d at = virtual_from_cloud.translation();
   frame.visibility.set_place(index, static_cast<float>(at.x()), static_cast<float>(at.y()), step);
 }

@@ -68,8 +68,11 @@ void write_mounts(const CalibrateOptions& options, const std::vector<CalibratedS
     edit.pose = sensor.after;
     if (sensor.sigma(3)) edit.time_offset = sensor.time_offset_after();
   }
+  const std::string text = with_mounts(read_file(options.config, "a readable YAML file"), mounts);
+  static_cast<void>(
+      parse_config(text, options.config));  // throws where the file has a form that cannot be edited
   TextFile file(options.output);
-  file.write(with_mounts(read_file(options.config, "a readable YAML file"), mounts));
+  file.write(text);
   file.close();
 }
 

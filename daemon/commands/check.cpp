@@ -129,8 +129,9 @@ class Forecast {
   /// The range of a sensor as seen from `frame`.
   double reach_of(const SensorConfig* sensor, const std::string& frame) const {
     if (sensor == nullptr || sensor->model == nullptr || sensor->model->range_max <= 0) return unknown_reach;
+    const double own = sensor->model->range_max, limit = sensor->driver.max_range;
     const auto pose = pose_of(frame, sensor->frame_id);
-    return pose ? sensor->model->range_max + pose->translation().norm() : unknown_reach;
+    return pose ? (limit > 0 ? std::min(own, limit) : own) + pose->translation().norm() : unknown_reach;
   }
   /// Checks that the sources see as far as a free beam requires; `free_required`: 0: range_max.
   template <class Output>

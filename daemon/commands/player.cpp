@@ -40,6 +40,7 @@ bool Player::wait_for(Stamp stamp, const std::function<bool()>& stop) {
       // In short steps, to react to a stop during a long silence.
       rest(std::min(until, now + std::chrono::milliseconds(100)));
     } else if (has_event) {
+      if (on_time) on_time(*event);
       pipeline_.advance(*event);
     } else {
       return true;
@@ -50,6 +51,7 @@ bool Player::wait_for(Stamp stamp, const std::function<bool()>& stop) {
 
 bool Player::play_once(const std::function<bool()>& stop) {
   Progress progress;
+  const double played_before = played_s();
   Packet packet;
   bool first = true;
   Stamp capture_begin{};
@@ -83,8 +85,8 @@ bool Player::play_once(const std::function<bool()>& stop) {
       const double elapsed = progress.elapsed();
       progress.show(capture_.progress(),
                     printed("%.1f s  %.1f x  %llu frames  %llu lost", played_s(),
-                            elapsed > 0 ? played_s() / elapsed : 0, static_cast<unsigned long long>(frames),
-                            static_cast<unsigned long long>(lost)));
+                            elapsed > 0 ? (played_s() - played_before) / elapsed : 0,
+                            static_cast<unsigned long long>(frames), static_cast<unsigned long long>(lost)));
     }
   }
   progress.clear();

@@ -106,6 +106,7 @@ class Daemon {
     // Report READY once all sockets are open.
     in_clouds([] {}, [this] { came_up(); });
     sensors_.run();
+    if (reader_.joinable()) reader_.join();  // a signal may come during a reload
     service_.stopping();
     socket_.stop();
     box_.finish();
@@ -207,7 +208,6 @@ class Daemon {
     config_ = std::move(config);
     ros_.sink().set_topics(Worker::sensors, output_topics(*config_));
     sensors_.configure(*config_);
-    sensors_.pipeline().tick(now);
     ros_.sink().transforms(sensors_.pipeline().static_transforms(), now);
     const auto switch_clouds = [this] {
       ros_.sink().set_topics(Worker::clouds, output_topics(*config_));
@@ -215,6 +215,8 @@ class Daemon {
       connect_workers();
     };
     in_clouds(switch_clouds, [this] {
+      sensors_.retry_ports();  // of sensors that the other worker had
+      sensors_.pipeline().tick(clock_.now());
       box_.configure(config_->black_box);
       end_reload("");
     });
@@ -222,7 +224,6 @@ class Daemon {
   /// `trouble`: why the file was rejected; empty: it is in force.
   void end_reload(const std::string& trouble) {
     reader_.join();
-    reader_ = {};
     trouble_ = trouble;
     ++reloads_;
     if (trouble.empty())

@@ -123,26 +123,28 @@ void print_topics(const Json& all, std::ostream& out) {
   print_columns(table, out, "", overview_width);
 }
 
-/// Returns false if an item is in error.
-bool print_status(const Json& said, std::ostream& out) {
-  const auto up = std::chrono::seconds(said["uptime_s"].get<std::int64_t>());
+bool is_in_error(const Json& said) {
+  const Json& items = said["items"];
+  return std::any_of(items.begin(), items.end(),
+                     [](const Json& item) { return item["level"] == name_of(Health::error); });
+}
+
+void print_status(const Json& said, std::ostream& out) {
+  const auto up = said["uptime_s"].get<std::int64_t>();
   const auto history = said["history"].get<std::string>();
-  out << fmt::format("lidard {}, node {}, pid {}, up {:%H:%M:%S}\n{}\n{}{}\n", cell(said["version"]),
-                     cell(said["node"]), said["pid"].get<int>(), up, cell(said["summary"]), history,
-                     history.empty() ? "" : "\n");
-  bool fine = true;
+  out << fmt::format("lidard {}, node {}, pid {}, up {:02}:{:02}:{:02}\n{}\n{}{}\n", cell(said["version"]),
+                     cell(said["node"]), said["pid"].get<int>(), up / 3600, up / 60 % 60, up % 60,
+                     cell(said["summary"]), history, history.empty() ? "" : "\n");
   TextTable items{{"STATE", "WHAT", "SAYS"}};
   for (const Json& item : said["items"]) {
     items.push_back({cell(item["level"]), cell(item["name"]), cell(item["message"])});
-    fine = fine && item["level"] != name_of(Health::error);
   }
   print_columns(items, out, "", overview_width);
   out << '\n';
   print_topics(said["topics"], out);
-  if (said["events"].empty()) return fine;
+  if (said["events"].empty()) return;
   out << '\n';
   print_events(said["events"], out, true);
-  return fine;
 }
 
 /// Sends the request once or every second; `show` prints an answer and returns the exit code.
@@ -153,7 +155,7 @@ int ask(const StatusOptions& options, const char* word, std::ostream& out, std::
     try {
       const std::string answer = ask_daemon(path, word);
       if (options.watch && !options.json) out << "\033[H\033[2J";
-      const int code = options.json ? (out << answer, exit_ok) : show(answer);
+      const int code = show(answer);
       out.flush();
       if (!options.watch) return code;
     } catch (const std::exception& error) {
@@ -220,12 +222,21 @@ std::string metrics_text(const DaemonState& state) {
 
 int run_status(const StatusOptions& options, std::ostream& out, std::ostream& err) {
   return ask(options, "status", out, err, [&](const std::string& answer) {
-    return print_status(Json::parse(answer), out) ? exit_ok : exit_failed;
+    const Json said = Json::parse(answer);
+    if (options.json)
+      out << answer;
+    else
+      print_status(said, out);
+    return is_in_error(said) ? exit_failed : exit_ok;
   });
 }
 
 int run_events(const StatusOptions& options, std::ostream& out, std::ostream& err) {
   return ask(options, "events", out, err, [&](const std::string& answer) {
+    if (options.json) {
+      out << answer;
+      return exit_ok;
+    }
     const Json said = Json::parse(answer);
     if (const auto forgotten = said["forgotten"].get<std::uint64_t>(); forgotten > 0)
       out << forgotten << " earlier events are forgotten\n";

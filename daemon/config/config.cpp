@@ -156,8 +156,9 @@ bool operator==(const SensorConfig& a, const SensorConfig& b) {
     return takes(a, group) == takes(b, group) && (!takes(a, group) || same_keys(group.keys, a, b));
   };
   const auto& groups = sensor_groups();
+  // What another entry's profile asks of the driver counts too.
   return a.name == b.name && a.model == b.model && a.calibration_digest == b.calibration_digest &&
-         std::all_of(groups.begin(), groups.end(), same);
+         a.driver.keep_too_near == b.driver.keep_too_near && std::all_of(groups.begin(), groups.end(), same);
 }
 bool operator==(const MergedScanConfig& a, const MergedScanConfig& b) {
   return a.name == b.name && same_keys(merged_keys(), a, b);

@@ -199,7 +199,7 @@ const Keys<SourceSettings>& source_keys() {
       angle("angle_max", &S::angle_max, -most_turn_rad, most_turn_rad, "last angle in the sensor's frame"),
       number("no_return_free_range", &S::no_return_free_range, 0, farthest_m, "m",
              "how far a beam without return proves that nothing is there")
-          .by_default("range_max of the merged scan")};
+          .by_default("range_max of the source's scan")};
   return rows;
 }
 

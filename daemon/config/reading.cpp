@@ -187,6 +187,13 @@ void ConfigClaims::holds_frame(const std::string& child, const std::string& pare
       value.fail("moves " + child + " against itself", "no pose, or another frame");
     return;
   }
+  // tf knows a tree: a frame that hangs from itself would lose its parent.
+  for (auto up = frames_.find(parent); up != frames_.end(); up = frames_.find(up->second.parent)) {
+    if (up->second.parent == child)
+      value.fail("places " + child + " in " + parent + ", which the pose of " + up->first + " in " +
+                     up->second.owner + " places in " + child,
+                 "poses that lead from each frame up to vehicle.base_frame");
+  }
   const auto [frame, is_new] = frames_.emplace(child, Frame{parent, pose, owner});
   if (is_new) return;
   if (frame->second.parent != parent || !frame->second.pose.isApprox(pose, 1e-9))
@@ -229,6 +236,10 @@ NamedSource read_source(const Value& value, FrameKind kind, const Reading& readi
                  "a name that only one of them has");
     }
   }
+  if (found != nullptr && found->source.sensor == nullptr && other_kind != nullptr &&
+      other_kind->source.sensor != nullptr)
+    value.fail("names " + value.quoted() + ", which is " + found->what + " and " + other_kind->what,
+               "a name that only one of them has");
   if (found != nullptr) return found->source;
   if (reading.may_be_invalid(name)) throw ConfigError(std::vector<ConfigError::Mistake>());
   if (other_kind == nullptr) {

@@ -20,7 +20,7 @@ constexpr const char* group_form = "a multicast address like 239.0.0.10";
 /// What to do with a key that the model does not have.
 constexpr std::string_view set_in_device = "no such key; set it up in the device";
 constexpr std::string_view by_sector =
-    "no such key; of a multi-plane lidar view_direction and view_width keep a sector";
+    "no such key; of a Velodyne view_direction and view_width keep a sector";
 constexpr std::string_view by_clock = "clock: smooth, which follows the device clock all the time";
 
 bool any_model(const Model& /*model*/) { return true; }

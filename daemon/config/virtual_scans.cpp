@@ -56,7 +56,7 @@ Keys<Virtual> evidence_rows() {
            "which returns count; the surface is made of the last ones"),
       number("no_return_free_range", &Virtual::no_return_free_range, 0, farthest_m, "m",
              "how far a beam without return proves that nothing is there")
-          .by_default("range_max of the model, 0 of a topic; the least of a merged cloud's lidars")};
+          .by_default("range_max of a Velodyne, else 0; the least of a merged cloud's lidars")};
   for (auto& row : rows) row.shown = [](const Virtual& scan) { return scan.has_visibility(); };
   return rows;
 }

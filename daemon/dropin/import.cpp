@@ -274,17 +274,21 @@ class Importer {
   }
 
   /// The pose of the frame in the base frame, through a chain of transforms.
-  std::optional<Pose> pose_of(std::string frame, std::string& root) const {
+  std::optional<Pose> pose_of(std::string frame, std::string& root) {
     Pose pose = Pose::Identity();
+    std::set<std::string> chain;
     root = frame;
     for (std::size_t steps = 0; steps <= transforms_.size() && frame != base_; ++steps) {
       const auto up = std::find_if(transforms_.begin(), transforms_.end(),
                                    [&](const StaticTransform& one) { return one.child == frame; });
       if (up == transforms_.end()) return std::nullopt;
       pose = up->pose * pose;
+      chain.insert(frame);
       root = frame = up->parent;
     }
-    return frame == base_ ? std::optional<Pose>(pose) : std::nullopt;
+    if (frame != base_) return std::nullopt;
+    used_.merge(chain);
+    return pose;
   }
 
   void place() {
@@ -292,29 +296,33 @@ class Importer {
     auto& sensors = section(config_.keys, "sensors");
     std::string root;
     for (auto& [name, value] : sensors) {
-      const std::string frame = text_of(std::get<KeyMap>(value), "frame_id");
+      const std::string frame = without_slash(text_of(std::get<KeyMap>(value), "frame_id"));
       if (base_.empty() && !pose_of(frame, root) && root != frame && root != odometry_) base_ = root;
     }
     if (base_.empty()) base_ = without_slash(moved_);
     for (auto& [name, value] : sensors) {
       auto& sensor = std::get<KeyMap>(value);
-      const std::string frame = text_of(sensor, "frame_id");
-      if (frame.empty()) continue;
-      const auto pose = frame == base_ ? std::nullopt : pose_of(frame, root);
-      if (pose) sensor.emplace_back("pose", *pose);
-      if (!pose) report_unused_transform(name, frame);
+      const std::string frame = without_slash(text_of(sensor, "frame_id"));
+      if (frame.empty() || frame == base_) continue;
+      if (const auto pose = pose_of(frame, root)) sensor.emplace_back("pose", *pose);
     }
     for (auto& [name, value] : section(config_.keys, "virtual_scans")) place_planes(std::get<KeyMap>(value));
+    report_unused_transforms();
     if (!base_.empty()) section(config_.keys, "vehicle").emplace_back("base_frame", base_);
     if (!odometry_.empty()) section(config_.keys, "vehicle").emplace_back("odometry_frame", odometry_);
   }
 
-  void report_unused_transform(const std::string& sensor, const std::string& frame) {
+  /// Transforms that no sensor and no virtual scan hangs from.
+  void report_unused_transforms() {
+    std::set<std::string> frames;
+    for (auto& [name, sensor] : section(config_.keys, "sensors"))
+      frames.insert(without_slash(text_of(std::get<KeyMap>(sensor), "frame_id")));
     for (const StaticTransform& one : transforms_) {
-      if (one.child == frame)
-        config_.changes.push_back("sensors." + sensor + ": the pose of " + frame + " in " + one.parent +
-                                  " is not part of this configuration, whose base_frame is " + base_ +
-                                  ": publish it on tf, " + yaml_text({{"pose", one.pose}}));
+      if (used_.count(one.child) > 0) continue;
+      (frames.count(one.child) > 0 ? config_.changes : config_.remarks)
+          .push_back("the pose of " + one.child + " in " + one.parent +
+                     " is not part of this configuration, whose base_frame is " + base_ +
+                     ": publish it on tf, " + yaml_text({{"pose", one.pose}}));
     }
   }
 
@@ -322,7 +330,7 @@ class Importer {
     KeyMap poses;
     std::string root;
     for (const KeyValue& frame : std::get<KeyList>(*find_key(entry, "virtual_laser_scan"))) {
-      const auto& name = std::get<std::string>(frame);
+      const std::string name = without_slash(std::get<std::string>(frame));
       if (const auto pose = pose_of(name, root)) poses.emplace_back(name, *pose);
     }
     if (!poses.empty()) entry.emplace_back("poses", poses);
@@ -332,6 +340,7 @@ class Importer {
   ImportedConfig config_;
   std::set<std::string> names_, side_topics_;
   std::vector<StaticTransform> transforms_;
+  std::set<std::string> used_;  // frames whose transforms are part of a pose
   std::string base_;
   std::string odometry_, moved_;  // the fixed frame, and the frame of a sensor that moves in it
 };

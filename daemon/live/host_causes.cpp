@@ -118,15 +118,18 @@ std::string host_hint(const SensorConfig& sensor, const HostCounts& counts) {
       came, in.to_string(), who, sensor.ip_port, in.name, who);
 }
 
+constexpr auto rivals_are_news = std::chrono::minutes(10);
+
+/// A spare that is exchanged for the first device after a longer time is no rival.
 void NeighbourWatch::observe(const std::string& hardware, Clock::time_point now) {
   if (hardware == hardware_) return;
-  if (hardware == before_) returned_ = now;
+  if (hardware == before_ && now - changed_ < rivals_are_news) returned_ = now;
+  changed_ = now;
   before_ = std::exchange(hardware_, hardware);
 }
 
 std::string NeighbourWatch::rivals(Clock::time_point now) const {
-  constexpr auto news = std::chrono::minutes(10);
-  return returned_ && now - *returned_ < news ? hardware_ + " and " + before_ : std::string();
+  return returned_ && now - *returned_ < rivals_are_news ? hardware_ + " and " + before_ : std::string();
 }
 
 HostCauses::HostCauses(const Config& config, const UdpPorts& ports, Worker worker)

@@ -38,6 +38,7 @@ class NeighbourWatch {
 
  private:
   std::string hardware_, before_;
+  Clock::time_point changed_{};
   std::optional<Clock::time_point> returned_;
 };
 

@@ -26,8 +26,11 @@ bool is_again(const Event& before, const Event& now) {
 
 std::vector<std::string> Journal::update(const std::vector<DiagnosticItem>& items, HostStamp now) {
   std::vector<std::string> errors;
+  const std::map<std::string, Known> before =
+      std::exchange(known_, {});  // items that have gone are forgotten
   for (const DiagnosticItem& item : items) {
-    Known& known = known_[item.name];
+    const auto found = before.find(item.name);
+    Known& known = known_[item.name] = found != before.end() ? found->second : Known();
     const std::string text = item.health == Health::ok ? "" : without_figures(item.message);
     if (known.health == item.health && known.text == text) continue;
     known.health = item.health;

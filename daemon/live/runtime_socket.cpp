@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/live/runtime_socket.h"
 
+#include <sys/un.h>
 #include <unistd.h>
 
 #include <boost/asio/io_context.hpp>
@@ -25,6 +26,10 @@ constexpr const char* service_socket = "/run/lidard/control";
 constexpr std::size_t longest_question = 64;
 /// Time limit of a connection.
 constexpr auto patience = std::chrono::seconds(2);
+
+constexpr const char* too_long =
+    ": the path of a socket has at most 107 bytes; set LIDARD_SOCKET to a shorter one";
+bool is_too_long(const std::string& path) { return path.size() >= sizeof sockaddr_un().sun_path; }
 
 std::string environment(const char* name) {
   const char* value = std::getenv(name);
@@ -113,6 +118,7 @@ RuntimeSocket::~RuntimeSocket() { stop(); }
 
 std::string RuntimeSocket::start(const std::string& path) {
   namespace fs = std::filesystem;
+  if (is_too_long(path)) return path + too_long;
   std::error_code ignored;
   fs::create_directories(fs::path(path).parent_path(), ignored);
   boost::system::error_code error;
@@ -157,21 +163,32 @@ void RuntimeSocket::stop() {
   path_.clear();
 }
 
-std::string ask_daemon(const std::string& path, const std::string& word) {
+std::string ask_daemon(const std::string& path, const std::string& word, std::chrono::milliseconds limit) {
+  if (is_too_long(path)) throw std::runtime_error(path + too_long);
   asio::io_context io;
   Local::socket socket(io);
-  boost::system::error_code error;
-  socket.connect(path, error);
+  // Stays if the daemon hangs. The queue of one that hangs may be full: then connecting fails at once.
+  boost::system::error_code error = asio::error::try_again;
+  const std::string question = word + "\n";
+  std::string answer;
+  socket.async_connect(Local::endpoint(path), [&](const boost::system::error_code& refused) {
+    if (refused) return void(error = refused);
+    asio::async_write(
+        socket, asio::buffer(question), [&](const boost::system::error_code& unsent, std::size_t) {
+          if (unsent) return void(error = unsent);
+          asio::async_read(socket, asio::dynamic_buffer(answer),
+                           [&](const boost::system::error_code& ended, std::size_t) { error = ended; });
+        });
+  });
+  io.run_for(limit);
+  if (error == asio::error::eof) return answer;
+  if (error == asio::error::try_again)
+    throw std::runtime_error(path +
+                             ": the daemon does not answer; `journalctl -u lidard` may say why it hangs");
   if (error == asio::error::access_denied)
     throw std::runtime_error(path + ": this user may not ask the daemon; ask with sudo");
-  if (error)
-    throw std::runtime_error(path + ": no daemon answers (" + error.message() +
-                             "); start it, or name its socket with --socket");
-  asio::write(socket, asio::buffer(word + "\n"), error);
-  std::string answer;
-  if (!error) asio::read(socket, asio::dynamic_buffer(answer), error);
-  if (error && error != asio::error::eof) throw std::runtime_error(path + ": " + error.message());
-  return answer;
+  throw std::runtime_error(path + ": no daemon answers (" + error.message() +
+                           "); start it, or name its socket with --socket");
 }
 
 }  // namespace lidard

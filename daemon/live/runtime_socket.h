@@ -42,7 +42,9 @@ class RuntimeSocket {
   std::string path_;  // empty: not opened
 };
 
-/// Sends a request to the daemon at `path`; throws std::runtime_error with the remedy if there is none.
-std::string ask_daemon(const std::string& path, const std::string& word);
+/// Sends a request to the daemon at `path`; throws std::runtime_error with the remedy if there is none, or if
+/// it does not answer within `limit`.
+std::string ask_daemon(const std::string& path, const std::string& word,
+                       std::chrono::milliseconds limit = std::chrono::seconds(15));
 
 }  // namespace lidard

@@ -160,7 +160,6 @@ void SensorLoop::arm() {
 void SensorLoop::tick(Stamp now) {
   pipeline_.tick(now);
   arm();
-  connections_.tick();
   ports_.note_changes();
   host_causes_.watch_addresses();
   on_tick(now);

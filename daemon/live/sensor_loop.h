@@ -44,6 +44,8 @@ class SensorLoop {
   void run();
   /// Applies another configuration. Unchanged entries are not interrupted.
   void configure(const Config& config);
+  /// Opens ports again that could not be opened so far.
+  void retry_ports() { ports_.interfaces_changed(); }
   /// Thread-safe.
   void stop() { io_.stop(); }
   /// Call after run(): closes the sockets, completes the counters and logs them.

@@ -9,16 +9,9 @@
 namespace lidard {
 namespace {
 
-/// Longer than a driver waits for an answer (Patience::most) or for a starting motor, so that the driver's
-/// time limit applies first.
-constexpr Span first_frame_patience = std::chrono::seconds(12);
-constexpr Span least_silence = std::chrono::seconds(1);
-
-/// Longest silence of a stream: three scans, including skipped ones.
-Span silence_of(const SensorConfig& sensor) {
-  const int scans = 3 * (1 + sensor.driver.requests.skip.value_or(0));
-  return std::max(least_silence, span_from_seconds(scans * sensor.model->frame_period));
-}
+/// Longer than a driver waits for an answer (Patience::most), for a starting motor or for a scan, so that the
+/// driver's time limit applies first: it knows what the device was asked for.
+constexpr Span longest_silence = std::chrono::seconds(12);
 
 bool is_connected(const TcpState& state) { return state.phase == TcpState::Phase::connected; }
 
@@ -56,7 +49,6 @@ void TcpConnections::configure(const Config& config) {
     connection->config = sensor;
     connection->streams = streams;
     connection->device.port = sensor.device_port();
-    connection->silence = silence_of(sensor);
     if (streams) open(*connection, sensor.ip_address.value());
     if (streams && started_) connection->source->start();
     connections_.push_back(std::move(connection));
@@ -71,18 +63,12 @@ void TcpConnections::open(Connection& connection, const IpAddress& device) {
   TcpOptions options = options_;
   options.device = connection.device;
   options.keep_up = connection.streams;
+  if (connection.streams) options.read_time_out = longest_silence;
   TcpHandlers handlers;
   handlers.receive = [this, &connection](const Packet& packet) { events_.chunk(connection.sensor, packet); };
-  handlers.connected = [this, &connection](HostStamp now) { connected(connection, now); };
+  handlers.connected = [this, &connection](HostStamp now) { events_.connected(connection.sensor, now); };
   handlers.disconnected = [this, &connection] { events_.disconnected(connection.sensor); };
   connection.source = std::make_unique<TcpSource>(io_, options, std::move(handlers));
-}
-
-void TcpConnections::connected(Connection& connection, HostStamp now) {
-  connection.frames_before = events_.frames(connection.sensor);
-  if (connection.streams)
-    connection.source->set_read_time_out(std::max(first_frame_patience, connection.silence));
-  events_.connected(connection.sensor, now);
 }
 
 void TcpConnections::start() {
@@ -101,14 +87,6 @@ void TcpConnections::stop() {
 void TcpConnections::interfaces_changed() {
   for (const auto& connection : connections_) {
     if (connection->source) connection->source->interfaces_changed();
-  }
-}
-
-void TcpConnections::tick() {
-  for (const auto& connection : connections_) {
-    if (!connection->streams || !is_connected(connection->source->state())) continue;
-    if (events_.frames(connection->sensor) > connection->frames_before)
-      connection->source->set_read_time_out(connection->silence);
   }
 }
 
@@ -146,7 +124,7 @@ TcpConnections::Connection* TcpConnections::find(std::size_t sensor) {
 void TcpConnections::connect(std::size_t sensor, const IpAddress& device) {
   Connection* connection = find(sensor);
   if (connection == nullptr) return;
-  if (!connection->source) open(*connection, device);
+  if (!connection->source || !(connection->device.address == device)) open(*connection, device);
   connection->source->start();
 }
 

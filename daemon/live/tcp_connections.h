@@ -39,8 +39,6 @@ class TcpConnections final : public DeviceConnections {
   void stop();
   /// Call after interfaces or addresses of this host have changed.
   void interfaces_changed();
-  /// Call it about ten times per second. After the first frame a silent stream is closed sooner than before.
-  void tick();
   /// One item per connection.
   void add_diagnostics(std::vector<DiagnosticItem>& items) const;
 
@@ -56,12 +54,9 @@ class TcpConnections final : public DeviceConnections {
     SensorConfig config;
     bool streams = false;  // false: only a dialogue
     Endpoint device;
-    Span silence{0};  // longest between two frames
     std::unique_ptr<TcpSource> source;
-    std::uint64_t frames_before = 0;  // before this connection
   };
   void open(Connection& connection, const IpAddress& device);
-  void connected(Connection& connection, HostStamp now);
   Connection* find(std::size_t sensor);
   const Connection* find(std::size_t sensor) const { return const_cast<TcpConnections*>(this)->find(sensor); }
 

@@ -45,11 +45,10 @@ bool MergeSources::lacks_frames(Stamp now) const {
 }
 
 std::optional<MergeMoment> MergeSources::due(Stamp now) {
-  if (!scheduler_.is_due(now)) {
+  if (!scheduler_.is_due(now) || lacks_frames(now)) {
     due_since_.reset();
     return std::nullopt;
   }
-  if (lacks_frames(now)) return std::nullopt;
   MergeMoment moment = moment_of(now);
   if (!due_since_) due_since_ = now;
   const bool lacks_poses = settings_.on_missing_motion != MissingMotion::stand && !has_poses(moment, now);

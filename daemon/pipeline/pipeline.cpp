@@ -27,10 +27,12 @@ void Pipeline::configure(const Config& config) {
   List<Output> outputs = std::exchange(outputs_, {});
   // What an output shows depends on the vehicle's outline too.
   const VehicleConfig vehicle = vehicle_for(config, worker_);
-  if (!(vehicle_ == vehicle)) outputs.clear();
+  const bool is_other_vehicle = !(vehicle_ == vehicle);
+  if (is_other_vehicle) outputs.clear();
   vehicle_ = vehicle;
   frames_.configure(config);
   motion_.configure();
+  if (is_other_vehicle) motion_.restart();  // poses in another frame do not continue those before
   outlet_.configure(config);
   flows_ = {};
   tcp_ports_.clear();
@@ -209,7 +211,9 @@ void Pipeline::advance(Stamp now) {
   // After a long pause, outputs of the past are not published.
   constexpr Span longest_pause = std::chrono::seconds(1);
   const Stamp newest_past = now - longest_pause;
-  for (event = next_event(); event && *event <= now; event = next_event()) {
+  constexpr int most_rounds = 10'000;  // far more than outputs publish in that time
+  event = next_event();
+  for (int round = 0; event && *event <= now && round < most_rounds; ++round, event = next_event()) {
     const Stamp at = std::max(*event, newest_past);
     advance_to(at);
     if (diagnostics_wanted_) publish_diagnostics(at);

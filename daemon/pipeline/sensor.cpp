@@ -294,8 +294,12 @@ void Sensor::notice_shape(const PlanarScan& scan) {
   if (scan.beams == shape_.beams && scan.angle_min == shape_.angle_min &&
       scan.angle_increment == shape_.angle_increment)
     return;
-  if (shape_.beams != 0 && shape_.beams != scan.beams)
+  // Of some topics each scan has another number of beams.
+  constexpr Span between_notes = std::chrono::seconds(10);
+  if (shape_.beams != 0 && shape_.beams != scan.beams && context_.now - shape_noted_ > between_notes) {
+    shape_noted_ = context_.now;
     note("now has " + std::to_string(scan.beams) + " beams instead of " + std::to_string(shape_.beams));
+  }
   set_unobserved(scan, shape_);
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -161,7 +162,8 @@ class Sensor final : public DriverOutput {
   Counters topic_counters_;  // without a driver
   ReceptionWatch watch_;
   OtherModel other_model_;
-  PlanarScan shape_;  // geometry of the last scan with beams
+  PlanarScan shape_;                                                 // geometry of the last scan with beams
+  Stamp shape_noted_{std::numeric_limits<std::int64_t>::min() / 2};  // when a change of it was logged
 };
 
 }  // namespace lidard

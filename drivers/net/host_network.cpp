@@ -65,8 +65,13 @@ HostNetwork read_network() {
   if (getifaddrs(&list) != 0) return network;
   std::map<std::string, std::uint32_t> packets;
   std::map<std::string, bool> has_address;
+  // getifaddrs(3) names an address by its label, eth0:1.
+  const auto name_of = [](const ifaddrs& entry) {
+    const std::string label = entry.ifa_name;
+    return label.substr(0, label.find(':'));
+  };
   const auto add = [&](const ifaddrs& entry) -> HostInterface& {
-    network.interfaces.push_back({entry.ifa_name,
+    network.interfaces.push_back({name_of(entry),
                                   {},
                                   0,
                                   (entry.ifa_flags & IFF_UP) != 0,
@@ -78,16 +83,16 @@ HostNetwork read_network() {
   for (const ifaddrs* entry = list; entry != nullptr; entry = entry->ifa_next) {
     if (entry->ifa_addr == nullptr) continue;
     if (entry->ifa_addr->sa_family == AF_PACKET && entry->ifa_data != nullptr)
-      packets[entry->ifa_name] = static_cast<const rtnl_link_stats*>(entry->ifa_data)->rx_packets;
+      packets[name_of(*entry)] = static_cast<const rtnl_link_stats*>(entry->ifa_data)->rx_packets;
     if (entry->ifa_addr->sa_family != AF_INET || entry->ifa_netmask == nullptr) continue;
-    has_address[entry->ifa_name] = true;
+    has_address[name_of(*entry)] = true;
     HostInterface& found = add(*entry);
     found.address = address_in(entry->ifa_addr);
     for (std::uint32_t mask = bits(address_in(entry->ifa_netmask)); mask != 0; mask <<= 1U) ++found.prefix;
   }
   for (const ifaddrs* entry = list; entry != nullptr; entry = entry->ifa_next) {
     const bool is_link = entry->ifa_addr != nullptr && entry->ifa_addr->sa_family == AF_PACKET;
-    if (is_link && !has_address[entry->ifa_name]) add(*entry);
+    if (is_link && !has_address[name_of(*entry)]) add(*entry);
   }
   freeifaddrs(list);
   for (HostInterface& each : network.interfaces) each.packets = packets[each.name];

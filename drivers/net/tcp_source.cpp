@@ -182,12 +182,6 @@ class TcpSource::Impl : public std::enable_shared_from_this<Impl> {
     return true;
   }
 
-  void set_read_time_out(Span time_out) {
-    if (time_out == options_.read_time_out) return;
-    options_.read_time_out = time_out;
-    if (state_.phase == TcpState::Phase::connected) watch_silence();
-  }
-
   void interfaces_changed() {
     if (state_.phase == TcpState::Phase::waiting) connect();
   }
@@ -390,7 +384,6 @@ void TcpSource::start() { impl_->start(); }
 void TcpSource::stop() { impl_->stop(); }
 bool TcpSource::send(ByteView bytes) { return impl_->send(bytes); }
 void TcpSource::disconnect(bool again, const std::string& why) { impl_->disconnect(again, why); }
-void TcpSource::set_read_time_out(Span time_out) { impl_->set_read_time_out(time_out); }
 void TcpSource::interfaces_changed() { impl_->interfaces_changed(); }
 const TcpState& TcpSource::state() const { return impl_->state(); }
 const TcpStats& TcpSource::stats() const { return impl_->stats(); }

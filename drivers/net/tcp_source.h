@@ -77,8 +77,6 @@ class TcpSource {
   bool send(ByteView bytes);
   /// Ends the connection. `again`: opens a new one after the usual delay; otherwise the source stops.
   void disconnect(bool again, const std::string& why);
-  /// Changes TcpOptions::read_time_out.
-  void set_read_time_out(Span time_out);
   /// Call after interfaces or addresses have changed: retries at once.
   void interfaces_changed();
 

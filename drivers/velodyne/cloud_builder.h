@@ -28,6 +28,8 @@ class CloudBuilder {
     unpacker_.keep_too_near(config.keep_too_near);
     cloud_.frame_id = config.frame_id;
     cloud_.rings = static_cast<std::uint16_t>(row.lasers);
+    cloud_.bank_by_bank = row.bank_by_bank;
+    cloud_.max_range = config.max_range;
   }
 
   Unpacker& unpacker() { return unpacker_; }
@@ -138,7 +140,7 @@ class CloudBuilder {
   void apply(const DriverConfig& wanted) {
     config_.time_offset = wanted.time_offset;
     config_.min_range = wanted.min_range;
-    config_.max_range = wanted.max_range;
+    config_.max_range = cloud_.max_range = wanted.max_range;
     config_.view_direction = wanted.view_direction;
     config_.view_width = wanted.view_width;
     unpacker_.set_ranges(wanted.min_range, wanted.max_range);

@@ -266,8 +266,9 @@ Model spinning(const char* name, const char* product, const ModelRow& row, doubl
   model.range_min = 0.4;  // nearer returns are from the housing or the mounting (launch files of ros-drivers)
   model.range_max = range_max;
   model.beams = row.lasers;
-  model.traits = {Trait::revolutions, Trait::calibration, Trait::silent_beams_are_free,
-                  Trait::packet_messages};
+  model.traits = {Trait::revolutions, Trait::calibration, Trait::packet_messages};
+  // Of an HDL-64E S1 a column does not show which beams were fired.
+  if (!row.bank_by_bank) model.traits.add({Trait::silent_beams_are_free});
   model.level_ring = &level_ring;
   model.row = &row;
   model.make = &make_driver;

@@ -70,6 +70,10 @@ class PacketOrder {
     // A larger step is not a late packet: the device's clock was set.
     constexpr Span step_limit = std::chrono::seconds(1);
     const Span step = since_last(packet);
+    // A clock may also be set forward: the packet that follows in azimuth and in arrival is far ahead in
+    // time.
+    const bool gap = (step - due()) * 2 > last_period_;
+    const bool set_forward = gap && (packet.arrival - last_arrival_) * 2 < step && continues(packet);
     if (step > -step_limit && step <= Span(0) && !is_clock_set(packet)) {
       const Reject reason = step == Span(0) ? Reject::duplicate : Reject::stale;
       if (reason == Reject::stale) ++counters_.reordered;
@@ -77,11 +81,11 @@ class PacketOrder {
       return reason;
     }
     late_in_row_ = 0;
-    if (step <= Span(0) || step > 10 * step_limit) {
+    if (step <= Span(0) || set_forward || step > 10 * step_limit) {
       ++counters_.clock_steps;
       started_ = false;
       advance(packet, use);
-    } else if ((step - due()) * 2 > last_period_) {
+    } else if (gap) {
       held_ = packet;
       holding_ = true;
     } else {
@@ -189,19 +193,34 @@ class PacketOrder {
   bool is_clock_set(const OrderedPacket& packet) {
     // A late packet or a duplicate has an azimuth that was received before.
     constexpr std::size_t most_late = 16;
+    return continues(packet) || ++late_in_row_ > most_late;
+  }
+  /// True if the packet has the azimuth of the one after the last.
+  bool continues(const OrderedPacket& packet) const {
     constexpr double slowest_deg = 0.02;  // per packet
     const double turn = last_azimuths_.step_deg * static_cast<double>(last_azimuths_.groups);
     const double turned = std::remainder(packet.view().azimuth(0) * 0.01 - last_azimuths_.group_deg(0), 360);
-    const bool continues = turn > slowest_deg && std::abs(turned - turn) * 2 < turn;
-    return continues || ++late_in_row_ > most_late;
+    return turn > slowest_deg && std::abs(turned - turn) * 2 < turn;
   }
 
+  /// True if the period belongs to the configured model, whatever the product byte says: not if the model of
+  /// that byte has another period, which explains it as well (663.6 us of a VLP-32C are half of a VLP-16's).
   bool is_model_period(Span step, const OrderedPacket& packet) const {
     const std::size_t echoes = packet.layout->echoes;
-    for (const Timing& timing : row_.timings) {
-      const Span expected = row_.packet_period(timing, echoes);
-      // One or two lost packets may lie between; clocks and random pauses stay within 3 %.
-      for (int n = 1; n <= 3; ++n) {
+    constexpr int most_lost = 2;  // packets between the two
+    for (const ModelRow* other : model_rows()) {
+      const Span its = other->packet_period(other->timings.front(), echoes);
+      if (other->has_product(packet.view().product()) && !is_period_of(row_, its, echoes, 0) &&
+          is_period_of(*other, step, echoes, most_lost))
+        return false;
+    }
+    return is_period_of(row_, step, echoes, most_lost);
+  }
+  static bool is_period_of(const ModelRow& row, Span step, std::size_t echoes, int most_lost) {
+    for (const Timing& timing : row.timings) {
+      const Span expected = row.packet_period(timing, echoes);
+      // Clocks and random pauses stay within 3 %.
+      for (int n = 1; n <= 1 + most_lost; ++n) {
         const Span off = step - expected * n;
         if (off < expected * 3 / 100 && off > -expected * 3 / 100) return true;
       }
@@ -251,6 +270,7 @@ class PacketOrder {
     }
     started_ = true;
     last_us_ = us;
+    last_arrival_ = packet.arrival;
     remember(packet);
     if (packet.other_product) ++counters_.lying_packets;
     use(packet, time_);
@@ -262,6 +282,7 @@ class PacketOrder {
   bool holding_ = false;
   OrderedPacket held_{};
   std::uint32_t last_us_ = 0;
+  Stamp last_arrival_{};
   std::uint64_t wraps_ = 0;
   Span last_period_{0};
   PacketAzimuths last_azimuths_;

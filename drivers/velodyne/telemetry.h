@@ -92,6 +92,8 @@ class TelemetryReceiver {
   Reject receive(ByteView payload, Stamp arrival, DriverOutput& out, DeviceInfo& info);
   /// Advances the time: an old packet expires.
   void tick(Stamp now, DeviceInfo& info);
+  /// DriverConfig::time_offset, from the next packet on.
+  void set_time_offset(Span offset) { time_offset_ = offset; }
   /// Resets the stream; keeps the counters.
   void restart();
 

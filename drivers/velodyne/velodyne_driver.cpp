@@ -39,7 +39,10 @@ class VelodyneDriver final : public DriverBase {
     if (config.control) web_.emplace(*config.control);
   }
 
-  void change(const DriverConfig& wanted) override { frames_.change(wanted); }
+  void change(const DriverConfig& wanted) override {
+    frames_.change(wanted);
+    telemetry_.set_time_offset(wanted.time_offset);
+  }
 
   Verdict receive(const Packet& packet, DriverOutput& out) override {
     if (packet.transport == Transport::tcp) {
@@ -128,7 +131,9 @@ class VelodyneDriver final : public DriverBase {
     if (row_.has_status()) read_status(packet.view());
     // Times within a frame are differences, so a jump of the device clock ends the frame.
     constexpr Span jump = std::chrono::seconds(5);
-    if (in_stream_ && (time < last_time_ || time - last_time_ > jump)) {
+    const bool is_set = counters_.clock_steps != known_steps_;
+    known_steps_ = counters_.clock_steps;
+    if (in_stream_ && (is_set || time < last_time_ || time - last_time_ > jump)) {
       decode_pending(std::nullopt, out);
       frames_.cut_off(out);
       clock_.restart();
@@ -266,12 +271,11 @@ class VelodyneDriver final : public DriverBase {
 
   void describe_status() {
     if (!row_.has_status()) return;
-    clear_details();
     const char* source = config_.calibration != nullptr ? "file"
                          : sent_ != nullptr             ? "sent by the sensor"
                                             : "that of another sensor, until the sensor sends its own";
-    info_.details.emplace_back("calibration", source);
-    for (auto& detail : hdl64_details(status_.info())) info_.details.push_back(std::move(detail));
+    info_.set("calibration", source);
+    for (const auto& [key, value] : hdl64_details(status_.info())) info_.set(key, value);
     info_.warnings = hdl64_warnings(status_.info());
   }
 
@@ -294,6 +298,7 @@ class VelodyneDriver final : public DriverBase {
   bool pending_ = false;
   bool in_stream_ = false;
   Span last_time_{0};
+  std::uint64_t known_steps_ = 0;  // of the sensor's clock
   double last_azimuth_deg_ = 0;
   double turned_deg_ = 0, turned_s_ = 0;
   std::optional<std::pair<Span, double>>

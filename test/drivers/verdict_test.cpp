@@ -73,5 +73,33 @@ TEST(Verdict, APacketThatWasHeldBackIsRejectedWithTheNextOne) {
   EXPECT_EQ(give(*driver, packets[11], nowhere), Reject::model) << "eleven periods later";
 }
 
+// 63-9243 section 9.4: a packet of a VLP-32C takes 663.552 us, of a VLP-16 1327.104 us, twice as long.
+TEST(Verdict, PacketsOfAnotherPuckAreNeverTakenForThoseOfTheModelWhateverIsLost) {
+  const auto mode_of = [](const char* model) {
+    for (const ModelMode& mode : model_modes())
+      if (mode.model == model) return mode;
+    throw std::out_of_range(model);
+  };
+  for (const auto& [configured, sent] : {std::pair{"velodyne_vlp32c", "velodyne_vlp16"},
+                                         {"velodyne_vlp16", "velodyne_vlp32c"},
+                                         {"velodyne_vlp16", "velodyne_vls128"},
+                                         {"velodyne_vls128", "velodyne_vlp16"}}) {
+    const std::vector<WirePacket> packets = spin(mode_of(sent), 0.5);
+    for (const std::size_t every : {1U, 2U, 3U}) {
+      SCOPED_TRACE(std::string(sent) + " as " + configured + ", one of " + std::to_string(every));
+      DriverConfig config;
+      config.model = find_model(configured);
+      config.keep_partial = true;
+      const auto driver = config.model->make(config);
+      Columns out;
+      for (std::size_t i = 0; i < packets.size(); i += every) give(*driver, packets[i], out);
+      driver->finish(out);
+      EXPECT_EQ(out.points, 0U);
+      EXPECT_EQ(driver->counters().rejected[static_cast<std::size_t>(Reject::model)],
+                driver->counters().packets);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace lidard::test

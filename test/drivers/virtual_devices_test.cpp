@@ -40,14 +40,24 @@ std::string room(double height) {
          box_z + "], size: [0.6, 0.8, 0.9]}\n";
 }
 
-/// The newest cloud of a device in that room.
-LastCloud cloud_of(const std::string& model, double height) {
+/// Walls on the ground at 10 m on all sides, up to `top` m above it.
+std::string walls(double height, double top) {
+  const std::string z = ", z: [" + std::to_string(-height) + ", " + std::to_string(top - height) + "]}\n";
+  return "ground: {z: " + std::to_string(-height) + "}\nobjects:\n  - wall: {from: [10, -10], to: [10, 10]" +
+         z + "  - wall: {from: [10, 10], to: [-10, 10]" + z + "  - wall: {from: [-10, 10], to: [-10, -10]" +
+         z + "  - wall: {from: [-10, -10], to: [10, -10]" + z;
+}
+
+/// The newest cloud of a device among some objects.
+LastCloud cloud_of(const std::string& model, const std::string& objects, double max_range = 0) {
   const sim::Scene scene =
       sim::parse_scene("start: 2026-01-01T00:17:23.5Z\nduration: 0.6\nsensors:\n  it: {model: " + model +
-                           ", from: '10.0.0.1:2115', to: '10.0.0.2:2115'}\n" + room(height),
-                       "room");
+                           ", from: '10.0.0.1:2115', to: '10.0.0.2:2115'}\n" + objects,
+                       "scene");
   DriverConfig config;
   config.model = find_model(model);
+  config.max_range = max_range;
+  config.keep_too_near = true;
   const auto driver = config.model->make(config);
   LastCloud out;
   sim::simulate(scene, [&](const sim::SimPacket& sent) {
@@ -125,7 +135,7 @@ TEST_P(VirtualDevices, TheRoomIsWhereItIs) {
   const Bar& bar = GetParam();
   const bool mrs = std::string(bar.model) == "sick_mrs1000";
   const double lidar_z = mrs ? 0.4 : 1.2;  // the planes of an MRS1000 look up to 5 deg upwards
-  const LastCloud seen = cloud_of(bar.model, lidar_z);
+  const LastCloud seen = cloud_of(bar.model, room(lidar_z));
   Cut cut;
   cut.settings.beams.no_return_free_range = 20;
   cut.frame = make_pose({bar.at_x, 0, bar.height}, {0, 0, 0});
@@ -153,8 +163,43 @@ INSTANTIATE_TEST_SUITE_P(Bars, VirtualDevices,
                                            Bar{"multiscan136_level", "sick_multiscan136", 1.2, 0, 8, 8}),
                          [](const auto& each) { return std::string(each.param.name); });
 
+class VirtualVelodynes : public ::testing::TestWithParam<const char*> {};
+
+INSTANTIATE_TEST_SUITE_P(Models, VirtualVelodynes,
+                         ::testing::Values("velodyne_vlp16", "velodyne_hdl32e", "velodyne_vlp32c",
+                                           "velodyne_hdl64e_s1", "velodyne_hdl64e_s3", "velodyne_vls128"));
+
+/// A wall that the plane meets at 10 m on all sides: its beams that are free, and those that hit it.
+std::pair<std::size_t, std::size_t> free_and_hit(const char* model, double top, double plane,
+                                                 double max_range) {
+  constexpr double lidar_z = 2;
+  const LastCloud seen = cloud_of(model, walls(lidar_z, top), max_range);
+  Cut cut;
+  if (find_model(model)->has(Trait::silent_beams_are_free)) cut.settings.beams.no_return_free_range = 100;
+  cut.frame = make_pose({0, 0, plane}, {0, 0, 0});
+  look(cut, seen.newest, lidar_z);
+  std::size_t free = 0, hit = 0;
+  for (const PlanarScan* scan : {&cut.strict, &cut.safety}) {
+    for (std::size_t beam = 0; beam < scan->beams; ++beam) {
+      free += scan->statuses[beam] == BeamStatus::none ? 1U : 0U;
+      hit += scan->statuses[beam] == BeamStatus::hit ? 1U : 0U;
+    }
+  }
+  return {free, hit};
+}
+
+TEST_P(VirtualVelodynes, SayNowhereThatALowWallIsNotThere) {
+  for (const double top : {0.35, 0.6, 1.2}) EXPECT_EQ(free_and_hit(GetParam(), top, 0.3, 0).first, 0U) << top;
+}
+
+TEST_P(VirtualVelodynes, SayNothingOfWhatLiesBeyondTheirMaxRange) {
+  EXPECT_GE(free_and_hit(GetParam(), 3, 1.9, 0).second, 700U);
+  EXPECT_EQ(free_and_hit(GetParam(), 3, 1.9, 0).first, 0U);
+  EXPECT_EQ(free_and_hit(GetParam(), 3, 1.9, 6).first, 0U);
+}
+
 TEST(VirtualMrs1000, NothingIsSaidOfWhereItDoesNotLook) {
-  const LastCloud seen = cloud_of("sick_mrs1000", 0.4);
+  const LastCloud seen = cloud_of("sick_mrs1000", room(0.4));
   EXPECT_EQ(seen.newest.rings, 4U);
   Cut cut;
   cut.settings.beams.no_return_free_range = 20;

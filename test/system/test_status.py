@@ -63,7 +63,8 @@ def check_silence(scene, silent_since):
     at = datetime.datetime.fromisoformat(first["at"].replace("Z", "+00:00")).timestamp()
     print(f"silence is an event {at - silent_since:.2f} s after it began: {first['text']}")
     expect(-0.1 < at - silent_since < 5, f"an event {at - silent_since:.2f} s after the silence began")
-    expect(run("status").returncode == 1, "exit 1 while something is in error")
+    for form in ((), ("--json",)):
+        expect(run("status", *form).returncode == 1, "exit 1 while something is in error")
     with sim(scene):
         wait_for(lambda: events_of("sensor front")[-1][0] == "OK", 10, "the event that it is back")
         levels = [level for level, _ in events_of("sensor front")]

@@ -83,6 +83,7 @@ ChangeableOutput virtual_output(const VirtualScanConfig& group, const Config& co
   output.worker = config.cloud_worker;
   output.topics = group.virtual_laser_scan;
   if (!group.output_laser_topic.empty()) output.topics = {group.output_laser_topic};
+  for (const AlsoScanConfig& also : group.also) output.topics.push_back(also.topic);
   output.config = group.output;
   output.items = items_of(output.id.kind, names);
   return output;

@@ -4,6 +4,7 @@
 #include <ros/node_handle.h>
 #include <ros/this_node.h>
 
+#include <memory>
 #include <mutex>
 #include <utility>
 
@@ -25,7 +26,7 @@ XmlRpc::XmlRpcValue parameter_of(const KeyValue& value) {
 }
 
 /// The server of one output.
-struct Server {
+struct Server : std::enable_shared_from_this<Server> {
   explicit Server(ChangeableOutput given) : output(std::move(given)) {}
 
   void offer(ros::NodeHandle node) {
@@ -37,7 +38,13 @@ struct Server {
       announced.publish(config_message(output));
       updates = announced;
     }
-    service = node.advertiseService("set_parameters", &Server::serve, this);
+    // A request may wait for the mutex while a reload drops this server.
+    using Serve = boost::function<bool(Reconfigure::Request&, Reconfigure::Response&)>;
+    service = node.advertiseService("set_parameters",
+                                    Serve([weak = weak_from_this()](auto& request, auto& response) {
+                                      const auto self = weak.lock();
+                                      return self != nullptr && self->serve(request, response);
+                                    }));
   }
   /// In the callback thread.
   bool serve(Reconfigure::Request& request, Reconfigure::Response& response) {
@@ -113,7 +120,7 @@ class RosReconfigure final : public RosComponent {
  public:
   RosReconfigure(std::vector<ChangeableOutput> outputs, const RosPost& post) {
     for (auto& output : outputs) {
-      servers_.push_back(std::make_unique<Server>(std::move(output)));
+      servers_.push_back(std::make_shared<Server>(std::move(output)));
       Server& server = *servers_.back();
       server.apply = [&now = server.output, post] {
         if (now.sensor)
@@ -176,7 +183,7 @@ class RosReconfigure final : public RosComponent {
   }
 
  private:
-  std::vector<std::unique_ptr<Server>> servers_;
+  std::vector<std::shared_ptr<Server>> servers_;
 };
 
 }  // namespace

@@ -52,11 +52,16 @@ const char* from_ros(const sensor_msgs::LaserScan& message, PlanarScan& scan,
 /// False if the message has intensities, but not one for each range.
 bool intensities_fit(const sensor_msgs::LaserScan& message);
 
-/// A position or translation and an orientation as a pose; the orientation need not be normalised.
+/// A position or translation and an orientation as a pose; the orientation need not be normalised. One that
+/// is not filled in (all zero) makes a pose that is not rigid.
 template <class Position>
 Pose to_pose(const Position& at, const geometry_msgs::Quaternion& q) {
   Pose pose = Pose::Identity();
-  pose.linear() = Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized().toRotationMatrix();
+  const Eigen::Quaterniond turn(q.w, q.x, q.y, q.z);
+  if (turn.norm() > 0.1)
+    pose.linear() = turn.normalized().toRotationMatrix();
+  else
+    pose.linear().setZero();
   pose.translation() = Eigen::Vector3d(at.x, at.y, at.z);
   return pose;
 }

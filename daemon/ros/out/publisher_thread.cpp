@@ -385,9 +385,13 @@ void PublisherThread::wait_for_subscribers_of(Output& output) {
     const std::lock_guard lock(send_mutex_);
     return stopping_ || ((ready_ || output.latched) && output.in_flight() < most_in_flight);
   };
+  if (output.is_stuck && !keeps_up()) return;
+  output.is_stuck = false;
   while (!wait_until(keeps_up, stuck_subscriber)) {
     if (!ready_) continue;
-    log_warn("a subscriber has read nothing for 10 s; it loses messages from here on");
+    log_warn("a subscriber of {} has read nothing for 10 s; it loses messages until it reads again",
+             output.topic);
+    output.is_stuck = true;
     return;
   }
 }

@@ -122,6 +122,8 @@ class PublisherThread final : public FrameSink {
     std::atomic<std::uint64_t> lost{0};  // messages that a subscriber has not got
     std::atomic<std::chrono::steady_clock::time_point> lost_at{std::chrono::steady_clock::time_point()};
     bool latched = false;
+    bool is_stuck =
+        false;  // of the publishing thread: a subscriber reads nothing, a replay goes on without it
     // Guarded by mutex_:
     std::vector<Frame> frames;
     std::deque<Frame*> waiting;

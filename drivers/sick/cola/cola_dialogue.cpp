@@ -16,6 +16,7 @@ constexpr Span patience = std::chrono::seconds(2);
 constexpr Span probe_patience = std::chrono::milliseconds(600);
 /// The mirror may still be accelerating.
 constexpr Span first_scan_patience = std::chrono::seconds(4);
+constexpr Span least_stream_patience = std::chrono::seconds(1);
 
 constexpr std::string_view settings_read = "sRN LMDscandatacfg", settings_write = "sWN LMDscandatacfg",
                            subscription = "sEN LMDscandata";
@@ -23,6 +24,10 @@ constexpr std::string_view settings_read = "sRN LMDscandatacfg", settings_write 
 constexpr const char* no_scans =
     "the device accepts 'sEN LMDscandata 1' but sends no scans: its measurement is switched off, or another "
     "client is logged in; check it with SOPAS ET";
+
+constexpr const char* scans_stopped =
+    "the device sends no scans any more: its measurement was switched off, or another client changed its "
+    "settings; it is asked again, check it with SOPAS ET";
 
 template <class Reader>
 bool read_outputs(Reader in, ColaOutputs& outputs) {
@@ -132,7 +137,7 @@ void ColaDialogue::script(DriverOutput& out) {
       }
     }
     phase_ = Phase::waiting_for_scan;
-    patience_.start_answer(now_, first_scan_patience);
+    patience_.start_answer(now_, std::max(first_scan_patience, stream_patience()));
   }
 }
 
@@ -279,20 +284,28 @@ void ColaDialogue::note_written(DriverOutput& out) {
   settings_ = wanted_;
 }
 
-void ColaDialogue::scan_came(ColaDialect dialect) {
+/// Three scans of the output interval; a scanner may turn four times slower than the fastest of its model.
+Span ColaDialogue::stream_patience() const {
+  const int interval = settings_ ? settings_->interval : 1 + config_.requests.skip.value_or(0);
+  return std::max(least_stream_patience, span_from_seconds(12 * interval * config_.model->frame_period));
+}
+
+void ColaDialogue::scan_came(ColaDialect dialect, Stamp now) {
   if (!scans_) session_.dialect = dialect;
   scans_ = dialect_known_ = true;
+  if (phase_ == Phase::streaming) patience_.start(now, stream_patience());
   const bool subscribing = phase_ == Phase::asking && question_ == subscription;
   if (phase_ != Phase::waiting_for_scan && !subscribing) return;
   phase_ = Phase::streaming;
+  patience_.start(now, stream_patience());
   show_warnings();
 }
 
 void ColaDialogue::tick(Stamp now, DriverOutput& out) {
   now_ = now;
-  if (phase_ == Phase::idle || phase_ == Phase::streaming || !patience_.is_over(now)) return;
-  if (phase_ == Phase::waiting_for_scan) {
-    warn(no_scans);
+  if (phase_ == Phase::idle || !patience_.is_over(now)) return;
+  if (phase_ == Phase::waiting_for_scan || phase_ == Phase::streaming) {
+    warn(phase_ == Phase::streaming ? scans_stopped : no_scans);
     return give_up(out);
   }
   if (!dialect_known_) {

@@ -42,8 +42,8 @@ class ColaDialogue final : public Dialogue {
   void disconnected();
   /// Accepts a telegram that is not an event.
   void receive(const ColaTelegram& telegram, Stamp now, DriverOutput& out);
-  /// Reports the arrival of a scan in this dialect.
-  void scan_came(ColaDialect dialect);
+  /// Reports the arrival of a scan in this dialect, whether it can be used or not.
+  void scan_came(ColaDialect dialect, Stamp now);
   void tick(Stamp now, DriverOutput& out);
 
  private:
@@ -56,6 +56,8 @@ class ColaDialogue final : public Dialogue {
   void ask(std::string_view command, DriverOutput& out) { ask(command, Answer::needed, out); }
   void send_question(DriverOutput& out);
   bool can_login() const;
+  /// Longest time between two scans of the stream.
+  Span stream_patience() const;
   /// True if the last question was answered and not refused.
   bool was_done() const { return answer_ != nullptr && !refused_; }
   void note_refusal(std::uint8_t code);

@@ -161,7 +161,11 @@ class ColaDriver final : public DriverBase {
         dialogue_(config, row_) {}
 
   Verdict receive(const Packet& packet, DriverOutput& out) override {
-    if (packet.stream_start) counting_ = plain_scans_ = false;
+    if (packet.stream_start) {
+      counting_ = plain_scans_ = false;
+      clock_.restart();
+      cloud_builder_.finish(out);
+    }
     const Verdict verdict = read_stream<ColaTelegram>(
         packet, stream_, [&](const ColaTelegram& telegram) { return handle(telegram, packet.arrival, out); });
     if (dialogue_.changed()) show_info();
@@ -219,9 +223,9 @@ class ColaDriver final : public DriverBase {
   }
 
   Reject handle_scan(const ColaTelegram& telegram, Stamp arrival, DriverOutput& out) {
+    dialogue_.scan_came(telegram.dialect, arrival);
     Reject reason = parse_cola_scan(telegram, scan_);
     if (reason != Reject::none) return reason;
-    dialogue_.scan_came(telegram.dialect);
     if (!device_known_ || dialect_ != telegram.dialect || serial_ != scan_.serial || name_ != scan_.name()) {
       dialect_ = telegram.dialect;
       follow_device();

@@ -192,8 +192,12 @@ bool ColaCloudBuilder::add(const ColaScan& telegram, const ColaGeometry& geometr
   if (ring == no_ring) return false;
   choose(geometry);
   const std::uint32_t bit = 1U << ring;
-  if (ring == first_ring || (seen_ & bit) != 0) finish(out);
-  if (seen_ == 0) begin(clock.to_host(first) + config_.time_offset);
+  const bool same_turn = first >= begun_ && seconds(first - begun_) < config_.model->frame_period;
+  if (ring == first_ring || (seen_ & bit) != 0 || !same_turn) finish(out);
+  if (seen_ == 0) {
+    begin(clock.to_host(first) + config_.time_offset);
+    begun_ = first;
+  }
   append(telegram, ring, first, clock);
   seen_ |= bit;
   ++packet_;

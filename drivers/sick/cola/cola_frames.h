@@ -94,6 +94,7 @@ class ColaCloudBuilder {
   double range_min_, range_max_;  // m
   std::uint32_t packet_ = 0;
   std::uint32_t seen_ = 0;      // bit by ring
+  Span begun_{0};               // of the device's clock: the first beam of the first plane
   bool corrected_ = false;      // the directions are those of one telegram
   std::int64_t offset_ns_ = 0;  // of the return being written, after its telegram's own time
   ColaGeometry geometry_;

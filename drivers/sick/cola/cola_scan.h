@@ -106,9 +106,14 @@ class ColaClock {
   Stamp to_host(Span device) const { return clock_.to_host(device); }
   bool ready() const { return started_; }
   std::uint64_t steps() const { return clock_.steps(); }
-  /// Number of overflows (one per 71.6 min); a restart of the device counts as one.
+  /// Number of overflows (one per 71.6 min).
   std::uint64_t wraps() const { return wraps_; }
   const DeviceClock& clock() const { return clock_; }
+  /// Forgets the time of the device, which may have restarted; its drift stays known.
+  void restart() {
+    started_ = false;
+    clock_.restart();
+  }
   /// Resets the clock for another device or recording with unrelated times.
   void reset() {
     started_ = false;

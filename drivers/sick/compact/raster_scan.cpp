@@ -103,7 +103,7 @@ std::size_t RasterScan::add(const SegmentLine& line, std::vector<std::uint8_t>& 
     const std::size_t beam = begin + i;
     if (line.theta.sent() && std::fabs(line.azimuth(i) - grid_.angle(beam)) > tolerance) ++beside;
     put(line, i, beam);
-    if (beams_.statuses[beam] != BeamStatus::none) had_echo[beam] = 1;
+    if (beams_.statuses[beam] != BeamStatus::none) had_echo[beam] = echo_memory;
   }
   return beside;
 }
@@ -119,7 +119,7 @@ void RasterScan::put(const SegmentLine& line, std::size_t from, std::size_t beam
     if (range > 0)
       beams_.set_measured(i, range);
     else
-      beams_.set_without_hit(i, BeamStatus::none);
+      beams_.set_without_hit(i, range == 0 ? BeamStatus::none : BeamStatus::invalid);  // not a number
   }
   for (std::size_t e = echoes; e < beams_.echoes; ++e) {
     beams_.set_without_hit(beams_.index(beam, e), BeamStatus::none);

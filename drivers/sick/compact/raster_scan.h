@@ -37,10 +37,12 @@ struct RasterTimes {
 /// The beams of one frame of a single-plane device, segment by segment.
 class RasterScan {
  public:
+  /// So many scans after its last echo a beam counts as one that the device may have hidden since.
+  static constexpr std::uint8_t echo_memory = 50;
   /// Starts with all beams unobserved; allocates only when the raster or the number of echoes grows.
   void begin(const RasterGrid& grid, std::size_t echoes, float range_min, float range_max);
-  /// Places the beams of a segment's line and marks beams with an echo in `had_echo` (as long as the raster).
-  /// Returns the number of beams that lie a quarter step or more beside the raster.
+  /// Places the beams of a segment's line and sets `had_echo` (as long as the raster) of beams with an echo
+  /// to echo_memory. Returns the number of beams that lie a quarter step or more beside the raster.
   std::size_t add(const SegmentLine& line, std::vector<std::uint8_t>& had_echo);
 
   bool is_empty() const { return empty_; }

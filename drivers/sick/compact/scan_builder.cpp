@@ -125,7 +125,8 @@ class ScanBuilder final : public FrameBuilder {
   }
 
   /// In a segment that the angle filter hides partly, the device sends zeros, as for no echo. So the
-  /// outermost beams of the first and the last segment count as not observed up to the first echo.
+  /// outermost beams of the first and the last segment count as not observed up to one with a recent echo:
+  /// the filter may be narrowed while scans come.
   void hide_unseen_edges(BeamWindow all, BeamWindow kept) {
     const auto hide = [&](std::size_t beam) {
       if (beam < kept.first || beam >= kept.first + kept.count) return;
@@ -137,6 +138,9 @@ class ScanBuilder final : public FrameBuilder {
     const std::size_t end = all.first + all.count;
     for (std::size_t b = all.first; b < all.first + first_segment_ && had_echo_[b] == 0; ++b) hide(b);
     for (std::size_t b = end; b > end - last_segment_ && had_echo_[b - 1] == 0; --b) hide(b - 1);
+    for (std::uint8_t& scans : had_echo_) {
+      if (scans > 0) --scans;
+    }
   }
 
   void publish(const RasterScan& raster, BeamWindow all, DriverOutput& out) {
@@ -187,8 +191,8 @@ class ScanBuilder final : public FrameBuilder {
   std::optional<RasterGrid> grid_;
   std::size_t echoes_ = 1;
   std::array<RasterScan, OpenFrames::most> rasters_;
-  std::vector<std::uint8_t> had_echo_;
-  std::uint64_t window_segments_ = 0;  // segments of the window; 0: not yet known
+  std::vector<std::uint8_t> had_echo_;  // by beam: RasterScan::echo_memory, less the scans since
+  std::uint64_t window_segments_ = 0;   // segments of the window; 0: not yet known
   BeamWindow window_;
   std::size_t first_segment_ = 0, last_segment_ = 0;
   SteadyStamps stamps_;

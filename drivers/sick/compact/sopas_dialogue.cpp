@@ -100,6 +100,7 @@ class SopasDialogue final : public SideDialogue {
   }
 
   void receive(const Packet& packet, DriverOutput& out) override {
+    if (!is_talking()) return;
     now_ = packet.arrival;
     stream_.add(packet.payload);
     while (is_talking() && stream_.next(answer_)) {

@@ -60,8 +60,11 @@ Ms3Derived read_derived(ByteView b) {
   return d;
 }
 
+/// A scan takes 20 to 50 ms; a longer time times a scan number must not overflow.
+constexpr unsigned longest_scan_ms = 1000;
+
 bool is_possible(const Ms3Derived& d) {
-  if (d.factor == 0 || d.scan_time_ms == 0 || d.beams == 0) return false;
+  if (d.factor == 0 || d.scan_time_ms == 0 || d.scan_time_ms > longest_scan_ms || d.beams == 0) return false;
   const double gaps = d.beams - 1;
   if (std::abs(d.start_deg) > turn || std::abs(d.step_deg) * gaps > turn) return false;
   if (d.step_deg == 0 && d.beams > 1) return false;

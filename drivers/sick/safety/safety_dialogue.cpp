@@ -55,6 +55,7 @@ class SafetyDialogue final : public SideDialogue {
         range_max_(config.model->range_max) {}
 
   void receive(const Packet& packet, DriverOutput& out) override {
+    if (!is_talking()) return;
     now_ = packet.arrival;
     stream_.add(packet.payload);
     while (is_talking() && stream_.next(answer_)) {
@@ -156,14 +157,19 @@ class SafetyDialogue final : public SideDialogue {
       detail(label, index == idx::application_name ? read_versioned_text(value) : read_text(value));
     } else if (const auto output = read_output(value)) {
       present_ = *output;
+      has_output_ = true;
       detail("Data Output", describe(present_));
     } else {
-      present_ = SafetyOutput();
+      has_output_ = false;
       detail("Data Output", "unreadable");
+      warn(
+          "the scanner does not tell its data output as known firmware does, so it is neither compared nor "
+          "written; set it in Safety Designer");
     }
   }
 
   bool is_to_be_changed() {
+    if (!has_output_) return false;
     target_ = wanted_output(present_);
     if (encode_output(target_, channel) == encode_output(present_, channel)) return false;
     if (!requests_.allow_write)
@@ -188,7 +194,7 @@ class SafetyDialogue final : public SideDialogue {
 
   void verify() {
     store_variable(idx::current_output);
-    if (encode_output(present_, channel) != encode_output(target_, channel))
+    if (has_output_ && encode_output(present_, channel) != encode_output(target_, channel))
       warn("the scanner accepted " + describe(target_) + " but reports " + describe(present_) +
            "; another program may have changed it");
   }
@@ -227,6 +233,7 @@ class SafetyDialogue final : public SideDialogue {
   std::uint16_t request_ = 0;
   std::size_t variable_ = 0;
   std::string type_code_;
+  bool has_output_ = false;  // present_ was read
   SafetyOutput present_, target_;
 };
 

@@ -103,6 +103,8 @@ class SafetyDriver final : public DriverBase {
     if (frozen || !telegram_.has_measurement) {
       if (frozen || status_.in_standby()) clock_.pause();
       ++counters_.other_packets;
+      scan_.stamp = arrival + config_.time_offset;
+      topics_.publish_states(telegram_, scan_, out);
       return Reject::none;
     }
     if (!telegram_.derived) return Reject::field;
@@ -244,11 +246,12 @@ class SafetyDriver final : public DriverBase {
   }
 
   void publish(Stamp end, DriverOutput& out) {
+    scan_.stamp = first_ray(end);
+    topics_.publish_states(telegram_, scan_, out);
     if (scan_.beams == 0) {
       ++counters_.other_packets;
       return;
     }
-    scan_.stamp = first_ray(end);
     fill();
     board_.update(Warning::beyond_range, beyond_range_m_ > 0, [&] {
       return "the scanner measures up to " + std::to_string(beyond_range_m_) + " m, but range_max of " +
@@ -256,7 +259,7 @@ class SafetyDriver final : public DriverBase {
              " m and farther echoes count as none; choose the model with the longer range";
     });
     ++counters_.frames;
-    topics_.publish(telegram_, scan_, first_beam_, out);
+    topics_.publish_beams(telegram_, scan_, first_beam_, out);
     out.scan(scan_);
   }
 

@@ -124,8 +124,7 @@ std::uint32_t interrupted_paths(const Ms3Telegram& telegram, std::size_t beam) {
 
 }  // namespace
 
-void SafetyTopics::publish(const Ms3Telegram& telegram, const PlanarScan& scan, std::size_t first_beam,
-                           DriverOutput& out) {
+void SafetyTopics::publish_states(const Ms3Telegram& telegram, const PlanarScan& scan, DriverOutput& out) {
   if (telegram.state) {
     begin(safety_topic::system_state, scan);
     publish_state(*telegram.state, out);
@@ -134,6 +133,10 @@ void SafetyTopics::publish(const Ms3Telegram& telegram, const PlanarScan& scan, 
     begin(output_paths_topic, scan);
     publish_paths(*telegram.application, out);
   }
+}
+
+void SafetyTopics::publish_beams(const Ms3Telegram& telegram, const PlanarScan& scan, std::size_t first_beam,
+                                 DriverOutput& out) {
   publish_intrusion(telegram, scan, first_beam, out);
   publish_beam_status(scan, out);
 }

@@ -39,13 +39,15 @@ constexpr std::string_view system_state = "system_state";
 constexpr std::string_view intrusion = "intrusion";
 }  // namespace safety_topic
 
-/// Publishes a telegram's other data with the scan's stamp: general system state, output paths (application
-/// data), interrupted beams, and the flags of each beam. Blocks that are switched off are left out.
+/// Publishes a telegram's other data with the stamp of `scan`. Blocks that are switched off are left out.
 class SafetyTopics {
  public:
-  /// `scan` is the one of this telegram; its beam 0 is the telegram's beam `first_beam`.
-  void publish(const Ms3Telegram& telegram, const PlanarScan& scan, std::size_t first_beam,
-               DriverOutput& out);
+  /// The general system state and the output paths (application data), which come in standby too.
+  void publish_states(const Ms3Telegram& telegram, const PlanarScan& scan, DriverOutput& out);
+  /// Interrupted beams and the flags of each beam. `scan` is the one of this telegram; its beam 0 is the
+  /// telegram's beam `first_beam`.
+  void publish_beams(const Ms3Telegram& telegram, const PlanarScan& scan, std::size_t first_beam,
+                     DriverOutput& out);
 
  private:
   void publish_state(const Ms3State& state, DriverOutput& out);

@@ -212,6 +212,16 @@ TEST(DeviceClock, LatenessIsAStepOnceEveryPacketOfHalfASecondWasSoLate) {
   EXPECT_NEAR(lidard::seconds(step.error()), 0.2, 1e-3);
 }
 
+TEST(DeviceClock, ElevenSecondsLateIsAStepAtOnce) {
+  Punctual punctual;
+  punctual.receive_for(3000);
+  punctual.receive(9000);
+  EXPECT_EQ(punctual.clock.steps(), 0U);
+  punctual.receive(11'000);
+  EXPECT_EQ(punctual.clock.steps(), 1U);
+  EXPECT_NEAR(lidard::seconds(punctual.error()), 11, 1e-6);
+}
+
 TEST(DeviceClock, StallsFarApartDoNotAddUpToAStep) {
   Punctual punctual;
   punctual.receive_for(3000);

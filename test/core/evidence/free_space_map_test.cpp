@@ -24,6 +24,7 @@ struct Fan {
   Eigen::Vector2d at{0, 0};
   double first = 0;  ///< rad
   double step = 0;   ///< rad; negative: of a scanner that is mounted upside down
+  double jump = 0;   ///< rad, before the beams of the second half
   PlacedScan sweep;
 
   Fan(std::size_t beams, double first_rad, double step_rad) : first(first_rad), step(step_rad) {
@@ -33,7 +34,9 @@ struct Fan {
     sweep.free_to.assign(beams, 0);
   }
   std::size_t beams() const { return sweep.kind.size(); }
-  double angle(std::size_t beam) const { return first + static_cast<double>(beam) * step; }
+  double angle(std::size_t beam) const {
+    return first + static_cast<double>(beam) * step + (beam < beams() / 2 ? 0 : jump);
+  }
   void prepare(FreeSpaceMap& map) const {
     std::vector<float> dx, dy;
     for (std::size_t i = 0; i < beams(); ++i) {
@@ -43,14 +46,16 @@ struct Fan {
     map.set(static_cast<float>(at.x()), static_cast<float>(at.y()), step, unit);
     map.place_beams(dx.data(), dy.data(), beams());
   }
-  /// The free ways end where the vehicle sees them from now.
-  void move() {
+  /// The free ways end where the vehicle sees them from now, `by` m farther to the left than at the sweep.
+  void move(double by = 0) {
     sweep.moved = true;
+    sweep.origin_moved.assign(beams(), static_cast<float>(by));
     sweep.free_x.clear();
     sweep.free_y.clear();
     for (std::size_t i = 0; i < beams(); ++i) {
       sweep.free_x.push_back(static_cast<float>(std::cos(angle(i))) * sweep.free_to[i]);
-      sweep.free_y.push_back(static_cast<float>(std::sin(angle(i))) * sweep.free_to[i]);
+      sweep.free_y.push_back(static_cast<float>(std::sin(angle(i))) * sweep.free_to[i] -
+                             static_cast<float>(by));
     }
   }
 };
@@ -301,6 +306,46 @@ TEST(FreeSpaceMap, DirectionsFarApartAreNoNeighboursThoughTheBeamsAre) {
     const auto between = map.cell_towards(std::cos(1.26F), std::sin(1.26F));
     EXPECT_FALSE(is_free(map, between, 1)) << moved;
   }
+}
+
+// As on the ground before a plane that stands nearly upright.
+TEST(FreeSpaceMap, BeamsBeyondAJumpAreFreeInTheirOwnDirections) {
+  Fan fan(60, 0.3, degree);
+  fan.jump = 1.5;
+  fan.sweep.free_to.assign(fan.beams(), 5);
+  FreeSpaceMap map;
+  fan.prepare(map);
+  map.fill(fan.sweep);
+  for (std::size_t cell = 0; cell < map.size(); ++cell) {
+    double nearest = pi_d, within = pi_d;  // within: beams with neighbours on both sides
+    for (std::size_t i = 0; i < fan.beams(); ++i) {
+      const double off = std::abs(turn_between(middle_of(map, cell), fan.angle(i)));
+      nearest = std::min(nearest, off);
+      if (i % 30 != 0 && i % 30 != 29) within = std::min(within, off);
+    }
+    if (within < 0.2 * degree) {
+      EXPECT_TRUE(is_free(map, cell, 4)) << middle_of(map, cell);
+    } else if (nearest > degree) {
+      EXPECT_FALSE(is_free(map, cell, 4)) << middle_of(map, cell);
+    }
+  }
+}
+
+TEST(FreeSpaceMap, WhatIsNearHidesWhatIsBehindThoughItMovedAwayFromItsNeighbours) {
+  Fan fan(200, -50 * degree, 0.5 * degree);
+  fan.sweep.free_to.assign(fan.beams(), 20);
+  fan.sweep.free_to[100] = 2;
+  fan.sweep.free_from.assign(fan.beams(), 1);
+  FreeSpaceMap map;
+  fan.prepare(map);
+  fan.move(0.5);
+  map.fill(fan.sweep);
+  for (const double beside : {-0.3, 0.0, 0.3}) {
+    const auto angle = static_cast<float>(std::atan2(-0.5, 2) + beside * degree);
+    EXPECT_FALSE(is_free(map, map.cell_towards(std::cos(angle), std::sin(angle)), 5)) << beside;
+  }
+  EXPECT_TRUE(is_free(map, map.cell_towards(1, 0), 10));
+  EXPECT_FALSE(is_free(map, map.cell_towards(1, 0), 1.3)) << "where a way begins is known less well";
 }
 
 TEST(FreeSpaceMap, PointsAreFreeWhereTheirCellIs) {

@@ -190,13 +190,24 @@ TEST(FrameFilter, LeavesABeamItsOtherEchoes) {
 TEST(FrameFilter, MakesABeamInvalidThatLosesAllOfThem) {
   PlanarScan scan = two_echoes();
   FrameFilterSettings settings;
-  settings.box.emplace(Eigen::Vector3d(-20, -20, -1), Eigen::Vector3d(20, -1, 1));  // only the first beam looks to the right
+  settings.box.emplace(Eigen::Vector3d(-20, -20, -1),
+                       Eigen::Vector3d(20, -1, 1));  // only the first beam looks to the right
   FrameFilter filter(settings);
   filter.apply(scan);
   using S = BeamStatus;
   EXPECT_EQ(violation(scan), nullptr);
   EXPECT_THAT(scan.statuses, ElementsAre(S::hit, S::invalid, S::none, S::hit, S::invalid, S::none));
   EXPECT_EQ(filter.counters().by_box, 2U);
+}
+
+TEST(FrameFilter, ABeamThatLosesItsOnlyEchoIsNotFree) {
+  PlanarScan scan = two_echoes();
+  scan.set_without_hit(scan.index(0, 1), BeamStatus::none);
+  FrameFilterSettings settings;
+  settings.intensity_min = 1000;
+  FrameFilter(settings).apply(scan);
+  using S = BeamStatus;
+  EXPECT_THAT(scan.statuses, ElementsAre(S::invalid, S::invalid, S::none, S::invalid, S::invalid, S::none));
 }
 
 TEST(FrameFilter, SaysThatItHasNoIntensitiesToGoBy) {

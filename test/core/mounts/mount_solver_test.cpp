@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <functional>
+#include <string>
 
 #include "core/base/angle.h"
 #include "test/core/mounts/parked_trial.h"
@@ -71,6 +73,31 @@ TEST(MountSolver, AScannerThatHangsUpsideDownIsRecognised) {
   ASSERT_EQ(solution.sensors[1].verdict, MountVerdict::found);
   EXPECT_TRUE(solution.sensors[1].is_mirrored);
   EXPECT_LT(trial.error(solution, 1).head<2>().norm(), 0.005);
+}
+
+// As seen by the one that hangs upside down, the others hang upside down: (x, y, yaw) is (x, -y, -yaw).
+TEST(MountSolver, AReferenceThatHangsUpsideDownTurnsTheOthersOver) {
+  for (const std::size_t reference : {std::size_t{0}, std::size_t{1}, std::size_t{2}}) {
+    Trial trial(7);
+    trial.make_yard();
+    trial.add({0.5, 1, 0.7});
+    trial.add({0.5, -1, -0.7}, {}, true);
+    trial.add({-0.5, 0.3, 2.5}, {}, true);
+    const MountSolution solution = solve_mounts(trial.sensors, reference);
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (i == reference) continue;
+      SCOPED_TRACE(std::to_string(i) + " by " + std::to_string(reference));
+      const MountEstimate& found = solution.sensors[i];
+      ASSERT_EQ(found.verdict, MountVerdict::found);
+      EXPECT_EQ(found.is_mirrored, (i == 0) != (reference == 0));
+      PlanarPose truth = trial.truth[reference].inverse() * trial.truth[i];
+      if (reference != 0) truth = {truth.x, -truth.y, -truth.yaw};
+      const PlanarPose at = trial.sensors[reference].configured.inverse() * found.pose;
+      EXPECT_NEAR(at.x, truth.x, 0.005);
+      EXPECT_NEAR(at.y, truth.y, 0.005);
+      EXPECT_NEAR(std::remainder(at.yaw - truth.yaw, two_pi), 0, 0.001);
+    }
+  }
 }
 
 TEST(MountSolver, AScannerThatLooksTheOtherWayIsRecognised) {

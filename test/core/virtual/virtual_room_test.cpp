@@ -98,18 +98,22 @@ TEST(VirtualRoom, ATiltedFrameMeetsWallsFloorAndCeilingExactly) {
 }
 
 TEST(VirtualRoom, TheMountOfTheLidarChangesNothing) {
-  const Counts counts = look(0.1, false, make_pose({0.3, -0.4, 0.2}, {0.15, -0.1, 2}));
-  SCOPED_TRACE(text(counts));
-  EXPECT_GE(counts.exact, counts.beams * 0.95);
-  EXPECT_EQ(counts.wrong, 0);
-  EXPECT_LE(counts.missing, counts.beams * 0.01);
+  for (const double roll : {0.15, pi_d, pi_d - 0.15}) {  // also upside down
+    const Counts counts = look(0.1, false, make_pose({0.3, -0.4, 0.2}, {roll, -0.1, 2}));
+    SCOPED_TRACE(text(counts));
+    EXPECT_GE(counts.exact, counts.beams * 0.95);
+    EXPECT_EQ(counts.wrong, 0);
+    EXPECT_LE(counts.missing, counts.beams * 0.01);
+  }
 }
 
 TEST(VirtualRoom, WhatIsProvenIsMostOfIt) {
-  const Counts counts = look(0.05, true);
-  SCOPED_TRACE(text(counts));
-  EXPECT_GE(counts.exact, counts.beams * 0.9);
-  EXPECT_EQ(counts.wrong, 0);
+  for (const double roll : {0.0, pi_d}) {
+    const Counts counts = look(0.05, true, make_pose({0, 0, 0}, {roll, 0, 0}));
+    SCOPED_TRACE(text(counts));
+    EXPECT_GE(counts.exact, counts.beams * 0.9);
+    EXPECT_EQ(counts.wrong, 0);
+  }
 }
 
 }  // namespace

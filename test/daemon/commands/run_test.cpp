@@ -150,6 +150,17 @@ TEST(RunDaemon, EndsWithAnInterruptToo) {
   EXPECT_THAT(daemon.log(), HasSubstr("stopping on signal 2\n"));
 }
 
+TEST(RunDaemon, EndsWellWhileItReadsItsConfigurationAgain) {
+  for (int i = 0; i < 5; ++i) {
+    RunningDaemon daemon;
+    ASSERT_TRUE(daemon.says("READY=1"));
+    daemon.signal(SIGHUP);
+    std::this_thread::sleep_for(std::chrono::milliseconds(2 * i));
+    daemon.signal(SIGTERM);
+    ASSERT_TRUE(daemon.says("exit 0")) << daemon.log();
+  }
+}
+
 TEST(RunDaemon, RefusesAConfigurationWithAMistake) {
   RunningDaemon daemon(", modell: x");
   ASSERT_TRUE(daemon.says("exit 78")) << daemon.log();

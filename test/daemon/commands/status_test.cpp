@@ -4,11 +4,15 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
+#include <boost/asio/io_context.hpp>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <thread>
 
 #include "daemon/files/text_table.h"
+#include "daemon/live/runtime_socket.h"
 
 namespace lidard {
 namespace {
@@ -58,6 +62,26 @@ TEST(Status, IsJsonWhateverDevicesSay) {
   EXPECT_EQ(said["events"][9]["count"], 2);
   EXPECT_EQ(said["events"][8]["first"], "2023-11-14T22:13:20.010Z");
   EXPECT_EQ(said["events"][8]["count"], 1);
+}
+
+TEST(Status, CountsHoursBeyondADayAndEndsWithOneWhereSomethingIsInError) {
+  const std::string path = testing::TempDir() + "lidard-status-" + std::to_string(getpid());
+  const Journal journal([](const Event&) {});
+  boost::asio::io_context io;
+  RuntimeSocket socket(io,
+                       {{"status", [&](const auto& reply) { reply(status_json(sample_state(), journal)); }}});
+  ASSERT_EQ(socket.start(path), "");
+  std::thread thread([&io] { io.run(); });
+  for (const bool json : {false, true}) {
+    StatusOptions options;
+    options.socket = path;
+    options.json = json;
+    std::ostringstream out, err;
+    EXPECT_EQ(run_status(options, out, err), 1) << err.str();
+    EXPECT_THAT(out.str(), HasSubstr(json ? "\"uptime_s\": 90000" : "up 25:00:00"));
+  }
+  io.stop();
+  thread.join();
 }
 
 TEST(Events, AreAllThatTheJournalHas) {

@@ -161,7 +161,7 @@ TEST(SensorConfig, RefusesKeysThatTheModelCannotHonour) {
   EXPECT_EQ(
       error("velodyne_vlp16", "angle_min: 0"),
       "f:4:5: sensors.a.angle_min is not available for velodyne_vlp16, only for planar scanners; expected no "
-      "such key; of a multi-plane lidar view_direction and view_width keep a sector");
+      "such key; of a Velodyne view_direction and view_width keep a sector");
   EXPECT_EQ(error("velodyne_vlp16", "calibrate_time: true"),
             "f:4:5: sensors.a.calibrate_time is not available for velodyne_vlp16, only for Hokuyos that "
             "speak SCIP; "
@@ -229,6 +229,12 @@ TEST(SensorConfig, RefusesTwoPosesForOneFrame) {
             "frame");
   EXPECT_EQ(error_of("sensors:\n  a: {topic: s, frame_id: base_link, pose: {xyz: [0, 0, 1]}}\n"),
             "f:2:44: sensors.a.pose moves base_link against itself; expected no pose, or another frame");
+  EXPECT_EQ(error_of("sensors:\n  a: {model: velodyne_vlp16, frame_id: roof, pose: {xyz: [0, 0, 2]}}\n"
+                     "virtual_scans:\n  v: {cloud_topic: a, base_frame: roof, virtual_laser_scan: base_link, "
+                     "output_laser_topic: low, poses: {base_link: {xyz: [0, 0, -2]}}}\n"),
+            "f:4:116: virtual_scans.v.poses.base_link places base_link in roof, which the pose of roof in "
+            "sensors.a places in base_link; expected poses that lead from each frame up to "
+            "vehicle.base_frame");
 }
 
 TEST(SensorConfig, RefusesUnknownWordsAndTimes) {

@@ -94,6 +94,10 @@ TEST(ConfigSources, RefusesANameThatTwoThingsHave) {
   EXPECT_THAT(error_of(bumpers + "bumper}}"),
               HasSubstr("is sensors.bumper and the topic of virtual_scans.v; expected a name that only one"));
   EXPECT_EQ(error_of(bumpers + "bumper/scan}}"), "no error") << "the scanner's own topic is its alone";
+  EXPECT_THAT(error_of("sensors: {front: {model: sick_microscan3}, roof: {model: velodyne_vlp16}}\n"
+                       "virtual_scans: {v: {cloud_topic: roof, virtual_laser_scan: roof}}\n"
+                       "merged_scans: {m: {laserscan_topics: [front, roof]}}"),
+              HasSubstr("is the topic of virtual_scans.v and sensors.roof; expected a name that only one"));
 }
 
 TEST(ConfigSources, FindsACloudByTheTopicThatItsSensorPublishes) {

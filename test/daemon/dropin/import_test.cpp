@@ -13,6 +13,7 @@
 namespace lidard {
 namespace {
 
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -42,6 +43,33 @@ TEST(Import, TakesSevenNumbersAsAPlaceWithAQuaternion) {
   const auto pose = pose_of(imported({"0", "0", "1", "0", "0", half, half, "base", "laser"}));
   ASSERT_TRUE(pose);
   EXPECT_TRUE(pose->isApprox(make_pose({0, 0, 1}, {0, 0, pi_d / 2}), 1e-6));
+}
+
+TEST(Import, EveryTransformIsAPoseOrARemark) {
+  LaunchFile launch;
+  launch.nodes.push_back({"/scanner", "urg_node", "urg_node", "/", {}, {}, {{"ip_address", "192.168.0.10"}}});
+  launch.nodes.push_back(
+      {"/planes",
+       "ira_laser_tools",
+       "laserscan_virtualizer",
+       "/",
+       {},
+       {},
+       {{"cloud_topic", "/points"}, {"base_frame", "/base"}, {"virtual_laser_scan", "/low"}}});
+  for (const char* child : {"laser", "low", "imu"})
+    launch.nodes.push_back({"/t",
+                            "tf",
+                            "static_transform_publisher",
+                            "/",
+                            {"0", "0", "1", "0", "0", "0", "base", child},
+                            {},
+                            {}});
+  const ImportedConfig imported = import_nodes(launch);
+  const Config config = parse_config(yaml_text(imported.keys), "f");
+  ASSERT_TRUE(config.sensors.at(0).pose);
+  EXPECT_EQ(config.virtual_scans.at(0).poses.size(), 1U) << "without the slash of tf 1";
+  EXPECT_THAT(imported.remarks,
+              Contains(HasSubstr("the pose of imu in base is not part of this configuration")));
 }
 
 TEST(Import, SaysWhichTransformsItCannotRead) {

@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
+#include <vector>
 
 namespace lidard {
 namespace {
@@ -18,8 +20,12 @@ struct Bench {
     item.name = name;
     item.health = health;
     item.message = message;
-    journal.update({item}, at(s));
+    items[name] = item;  // the others are as they were
+    std::vector<DiagnosticItem> all;
+    for (const auto& [key, one] : items) all.push_back(one);
+    journal.update(all, at(s));
   }
+  std::map<std::string, DiagnosticItem> items;
   std::vector<Event> told;
   Journal journal{[this](const Event& event) { told.push_back(event); }};
 };
@@ -62,6 +68,17 @@ TEST(Journal, ReturnsWhatWentToErrorUnlessItHasNotComeSinceTheStart) {
   EXPECT_EQ(errors(4, Health::error, "it is a VLP-16"), Errors{});
   EXPECT_EQ(errors(5, Health::warn, "silent for 1 s"), Errors{});
   EXPECT_EQ(errors(6, Health::error, "silent for 3 s"), Errors{"sensor front: silent for  s"});
+}
+
+TEST(Journal, WhatComesBackAfterItWasGoneIsNews) {
+  Journal journal([](const Event&) {});
+  DiagnosticItem rivals{"address 10.0.0.9"};
+  rivals.set(Health::error, "two devices have the address");
+  EXPECT_EQ(journal.update({rivals}, at(0)).size(), 1U);
+  EXPECT_TRUE(journal.update({rivals}, at(1)).empty());
+  EXPECT_TRUE(journal.update({}, at(700)).empty());
+  EXPECT_EQ(journal.update({rivals}, at(1400)).size(), 1U);
+  EXPECT_EQ(journal.events().size(), 2U);
 }
 
 TEST(Journal, KeepsSourcesApart) {

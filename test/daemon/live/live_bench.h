@@ -50,7 +50,6 @@ struct LiveBench {
       io.restart();
       io.run_for(std::chrono::milliseconds(5));
       pipeline.tick(now_of_host());
-      links.tick();
       meanwhile();
     } while (std::chrono::steady_clock::now() < end);
   }

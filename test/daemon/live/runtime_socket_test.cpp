@@ -108,6 +108,8 @@ TEST_F(RuntimeSocketTest, SaysWhyNobodyCanAsk) {
   std::ofstream(file) << "mine";
   EXPECT_THAT(other.start(file), HasSubstr("LIDARD_SOCKET"));
   EXPECT_TRUE(std::filesystem::exists(file)) << "what is no socket is left alone";
+  EXPECT_THAT(other.start("/tmp/" + std::string(120, 'a')),
+              HasSubstr("at most 107 bytes; set LIDARD_SOCKET"));
 }
 
 TEST_F(RuntimeSocketTest, TellsWhoeverAsksWhereNobodyIs) {
@@ -117,6 +119,17 @@ TEST_F(RuntimeSocketTest, TellsWhoeverAsksWhereNobodyIs) {
   } catch (const std::runtime_error& error) {
     EXPECT_THAT(error.what(), HasSubstr("no daemon answers"));
     EXPECT_THAT(error.what(), HasSubstr("--socket"));
+  }
+}
+
+TEST_F(RuntimeSocketTest, DoesNotWaitForADaemonThatHangs) {
+  io_.stop();
+  thread_.join();
+  try {
+    ask_daemon(path(), "status", std::chrono::milliseconds(100));
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("the daemon does not answer"));
   }
 }
 

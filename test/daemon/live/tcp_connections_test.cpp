@@ -13,7 +13,6 @@
 
 #include "daemon/pipeline/frame_tree.h"
 #include "test/daemon/live/live_bench.h"
-#include "test/support/starved.h"
 #include "test/support/tcp_peer.h"
 
 namespace lidard::test {
@@ -93,23 +92,10 @@ TEST(TcpConnections, BeginTheDialogueAnewAfterAResetAndForgetHalfALine) {
   ASSERT_TRUE(t.b.until([&] { return t.b.sink.count("front/scan") == 2; }));
 }
 
-TEST(TcpConnections, NoticeAStreamThatFellSilentWithinAboutASecond) {
+TEST(TcpConnections, LeaveItToTheDriverHowLongAScanMayTake) {
   TcpBench t;
   ASSERT_TRUE(t.b.until([&] { return t.b.driver.dialogues == 1 && t.peer.accept(); }));
   ASSERT_TRUE(t.peer.send("scan\n"));
-  ASSERT_TRUE(t.b.until([&] { return t.b.sink.count("front/scan") == 1; }));
-  const test::Starved starved;
-  const auto since = Clock::now();
-  ASSERT_TRUE(t.b.until([&] { return t.b.driver.ends == 1; }));
-  EXPECT_GT(Clock::now() - since, milliseconds(900));
-  EXPECT_LT(Clock::now() - since, milliseconds(1500) + starved.time());
-  EXPECT_THAT(t.b.message(0), HasSubstr("sent nothing for 1.0 s"));
-}
-
-TEST(TcpConnections, WaitLongerForTheFirstScanAfterAnAnswer) {
-  TcpBench t;
-  ASSERT_TRUE(t.b.until([&] { return t.b.driver.dialogues == 1 && t.peer.accept(); }));
-  ASSERT_TRUE(t.peer.send("starting\n"));
   t.b.run(milliseconds(2500));
   EXPECT_EQ(t.b.driver.ends, 0);
 }

@@ -87,6 +87,35 @@ TEST(MergedOutput, AClockThatIsSetBackDoesNotProlongTheWaitForPoses) {
   EXPECT_EQ(bench.sink.count("m"), 1U) << "no longer than until the clock is seen to be set back";
 }
 
+TEST(MergedOutput, StampsOfOneSourceThatJumpLeaveNoEventInThePast) {
+  for (const double jump_s : {-100.0, -2.0, 2.0, 100.0}) {
+    for (const char* keys : {"on_missing_motion: static", "on_missing_motion: wait, deadline: 0.05",
+                             "on_missing_motion: drop", "on_missing_motion: wait, rate: 10"}) {
+      SCOPED_TRACE(std::string(keys) + " " + std::to_string(jump_s));
+      PipelineBench bench(two_sources(keys, "odometry_topic: /odom"));
+      poses_until(bench, ms(930), bench_begin + ms(990));
+      sweep(bench, "a", ms(1000));
+      sweep(bench, "b", ms(1000));
+      const Stamp jumped = bench_begin + ms(1010) + span_from_seconds(jump_s);
+      bench.give("a", round_scan("a", jumped, 5, 361, sweep_time), bench_begin + ms(1020));
+      for (double at = 1020; at <= 1400; at += 10) {
+        bench.pipeline.tick(bench_begin + ms(at));
+        const auto event = bench.pipeline.next_event();
+        ASSERT_TRUE(!event || *event > bench_begin + ms(at)) << at;
+      }
+    }
+  }
+}
+
+TEST(MergedOutput, PosesInAnotherFrameAfterAReloadDoNotContinueThoseBefore) {
+  PipelineBench bench(two_sources("", "odometry_topic: /odom"));
+  poses_until(bench, ms(1100), bench_begin + ms(990));
+  bench.pipeline.configure(parse_config(two_sources("", "odometry_topic: /map_pose"), "bench"));
+  sweep(bench, "a", ms(1000));
+  sweep(bench, "b", ms(1000));
+  EXPECT_EQ(bench.value("merged m", "Motion", bench_begin + ms(1000)), "no poses yet");
+}
+
 TEST(MergedOutput, PatienceForPosesBeginsAnewWithEachOutput) {
   PipelineBench bench(two_sources("on_missing_motion: wait, deadline: 0.05", "odometry_topic: /odom"));
   for (const double at : {1000.0, 1100.0, 1200.0}) {

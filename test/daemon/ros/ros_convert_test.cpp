@@ -252,6 +252,13 @@ TEST(CloudToRos, AFrameOfAnyLengthIsNamed) {
   }
 }
 
+TEST(PosesFromRos, WithoutAnOrientationAreNotRigid) {
+  geometry_msgs::Quaternion turn;
+  EXPECT_FALSE(is_rigid(to_pose(geometry_msgs::Vector3(), turn))) << "only the twist is filled in";
+  turn.w = 0.7;
+  EXPECT_TRUE(is_rigid(to_pose(geometry_msgs::Vector3(), turn)));
+}
+
 TEST(TransformsToRos, KeepTranslationAndRotation) {
   const StaticTransform transform{"/base_link", "laser", make_pose({1, 2, 3}, {0, 0, M_PI / 2})};
   tf2_msgs::TFMessage message;

@@ -245,17 +245,6 @@ TEST(TcpSource, TakesASleepOfItsOwnForNoSilence) {
   EXPECT_EQ(b.disconnects, 0);
 }
 
-TEST(TcpSource, ChangesItsPatienceWhileConnected) {
-  TcpPeer peer;
-  Bench b(to_port(peer.port()));
-  b.source.start();
-  ASSERT_TRUE(b.until_connected());
-  b.run(milliseconds(100));
-  EXPECT_EQ(b.disconnects, 0);  // silence is no fault by default
-  b.source.set_read_time_out(milliseconds(50));
-  EXPECT_TRUE(b.until([&] { return b.disconnects == 1; }));
-}
-
 TEST(TcpSource, NoticesADeviceThatVanishedWithoutAWord) {
   TcpPeer peer;
   Bench b(to_port(peer.port()));

@@ -296,5 +296,16 @@ TEST(VelodyneStream, NoReturnIsLostWhereTheSensorsClockIsSetBack) {
   }
 }
 
+TEST(VelodyneStream, AClockThatIsSetForwardIsNoLoss) {
+  LIDARD_NEED_CAPTURE(vlp16, "velodyne/vlp16_gps_293.pcap");
+  for (const std::int64_t by_us : {5000, 100'000, 250'000, 3'000'000, 9'000'000}) {
+    SCOPED_TRACE(by_us);
+    Counters counters;
+    EXPECT_EQ(returns_with_clock_set(vlp16.c_str(), "velodyne_vlp16", by_us, counters), 73486U);
+    EXPECT_EQ(counters.lost_packets, 0U);
+    EXPECT_EQ(counters.clock_steps, 1U);
+  }
+}
+
 }  // namespace
 }  // namespace lidard

@@ -194,7 +194,8 @@ Bytes SafetySettings::answer_one(ByteView t) {
   const std::uint16_t index = t.le16(18);
   if (command == "RI") {
     heard.push_back("read " + std::to_string(index));
-    const Bytes value = variable(index);
+    constexpr std::uint16_t current_output = 178;
+    const Bytes value = hides_output && index == current_output ? Bytes() : variable(index);
     return value.empty() ? telegram(session_, t, 'F', 'A', {3, 0})
                          : telegram(session_, t, 'R', 'A', indexed(t, value));
   }

@@ -56,6 +56,7 @@ class SafetySettings {
   Output current;                                             ///< lost at a power cycle
   std::uint8_t refuse_with = 0;                               ///< the result of every change; 0: it is made
   bool refuse_session = false;
+  bool hides_output = false;    ///< refuses to tell its data output
   bool ignore_changes = false;  ///< accepted, but nothing happens
   bool mute = false;            ///< reads and never answers
   Bytes latest;                 ///< the latest measurement, as the data output sends it without its headers

@@ -74,7 +74,9 @@ TEST(ColaDriver, AnInertialUnitIsReadUnlessANumberIsNone) {
     for (const float value : {0.8F, 0.F, 0.F, 0.6F}) words.real(value);
     return words.number(0, 4).number(time_us, 4).bytes();
   };
-  EXPECT_EQ(bench.send(telegram(0.03F, 1'000'000)), Reject::none);
+  bench.send_next();  // a scan, of another connection
+  EXPECT_EQ(bench.send(telegram(0.03F, 20'000), 0, true), Reject::none);
+  EXPECT_EQ(bench.imus.at(0).stamp, bench.now) << "before its first scan the device's time is not known";
   EXPECT_EQ(bench.send(telegram(std::numeric_limits<float>::quiet_NaN(), 1'010'000)), Reject::field);
   ASSERT_EQ(bench.imus.size(), 1U);
   EXPECT_NEAR((bench.imus[0].linear_acceleration - Eigen::Vector3d(0.5, -0.25, 9.75)).norm(), 0, 1e-6);
@@ -114,6 +116,36 @@ TEST(ColaDriver, APlaneMakesARingAndFourPlanesACloud) {
   bench.sample.layer = 7;
   EXPECT_EQ(bench.send_next(), Reject::model);
   EXPECT_TRUE(bench.has_warning("a plane at 7"));
+}
+
+TEST(ColaDriver, ACloudHoldsThePlanesOfOneTurn) {
+  for (const bool is_new_connection : {true, false}) {
+    ColaBench bench("sick_mrs1000");
+    const auto send = [&](std::initializer_list<int> layers) {
+      for (const int layer : layers) {
+        bench.sample.layer = static_cast<std::int16_t>(layer);
+        bench.send_next();
+      }
+    };
+    send({250, -500, 0, -250, 250, -500});
+    ASSERT_EQ(bench.clouds.size(), 1U);
+    if (is_new_connection) {
+      bench.now = bench.now + std::chrono::seconds(60);
+      bench.sample.layer = 0;
+      bench.sample.start_us += 60'000'000;
+      bench.send(bench.sample.bytes(Cola::binary), 0, true);
+    } else {  // a turn is lost
+      bench.now = bench.now + std::chrono::milliseconds(80);
+      bench.sample.start_us += 80'000;
+      send({0});
+    }
+    send({-250});
+    EXPECT_EQ(bench.clouds.size(), 1U) << "planes of two turns are no cloud";
+    EXPECT_EQ(bench.counters().partial_frames, 1U);
+    send({250, -500, 0, -250});
+    EXPECT_EQ(bench.clouds.size(), 2U);
+    EXPECT_EQ(bench.counters().partial_frames, 2U);
+  }
 }
 
 TEST(ColaDriver, ThePlanesOfAnMrs1000AreCorrectedByTheAnglesThatAreSent) {

@@ -20,7 +20,10 @@ TEST(ColaDialogue, ByDefaultItAsksForWhatTheStreamNeedsAndNothingElse) {
   EXPECT_THAT(bench.requests, ElementsAre(binary("sRN DeviceIdent"), binary("sRN LMPoutputRange"),
                                           binary("sRN LMDscandatacfg"), subscribe(Cola::binary)));
   bench.send_next();
-  device.wait(60);
+  for (int i = 0; i < 100; ++i) {
+    bench.send_next();
+    device.wait(0.6);
+  }
   EXPECT_EQ(bench.requests.size(), 4U);
   EXPECT_TRUE(bench.driver->info().warnings.empty());
   EXPECT_TRUE(bench.notes.empty());
@@ -191,6 +194,22 @@ TEST(ColaDialogue, ARefusedSubscriptionIsToldAndTriedAgain) {
   device.run();
   bench.send_next();
   EXPECT_FALSE(bench.has_warning("(sFA 1)"));
+}
+
+TEST(ColaDialogue, AStreamThatStopsIsAskedForAgainAfterThreeOfItsScans) {
+  for (const unsigned interval : {1U, 30U}) {  // at 25 Hz a scan every 1.2 s
+    SCOPED_TRACE(interval);
+    ColaBench bench;
+    FakeDevice device(bench);
+    device.answers["sRN LMDscandatacfg"] = settings(Cola::binary, "sRA LMDscandatacfg", 1, 0, interval);
+    device.connect();
+    bench.send_next();
+    bench.tick(interval == 1 ? 0.9 : 3.6);
+    EXPECT_EQ(bench.reconnects, 0);
+    bench.tick(interval == 1 ? 0.2 : 4);
+    EXPECT_EQ(bench.reconnects, 1);
+    EXPECT_TRUE(bench.has_warning("sends no scans any more"));
+  }
 }
 
 TEST(ColaDialogue, LogsInForTheSubscriptionWhenALevelIsConfigured) {

@@ -215,6 +215,28 @@ TEST(ColaDriver, ARestartedDeviceStartsAFreshClock) {
   EXPECT_EQ(bench.counters().lost_packets, 0U);
 }
 
+// The counter of microseconds overflows after 71.6 min: a device that was off for 90 min seems to have
+// counted on for 18 or 55 min.
+TEST(ColaDriver, APowerCycleOfAnyLengthPutsNoScanIntoThePast) {
+  for (const int off_s : {5, 2400, 5400, 9000}) {
+    for (const bool is_new_connection : {true, false}) {
+      SCOPED_TRACE(off_s);
+      ColaBench bench;
+      bench.sample.start_us = 1'000'000'000;
+      bench.sample.transmit_us = bench.sample.start_us + 3000;
+      for (int i = 0; i < 100; ++i) bench.send_next();
+      bench.now = bench.now + std::chrono::seconds(off_s);
+      bench.sample.start_us = 20'000'000;
+      bench.sample.transmit_us = bench.sample.start_us + 3000;
+      const std::size_t before = bench.scans.size();
+      bench.send(bench.sample.bytes(Cola::binary), 0, is_new_connection);
+      bench.send_next();
+      ASSERT_EQ(bench.scans.size(), before + 2);
+      EXPECT_NEAR(seconds(bench.now - bench.scans.back().stamp), 0.018, 0.001);
+    }
+  }
+}
+
 TEST(ColaDriver, ATelegramThatComesTwiceIsCountedAndNotPublishedAgain) {
   ColaBench bench;
   for (int i = 0; i < 10; ++i) {

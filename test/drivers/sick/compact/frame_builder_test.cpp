@@ -211,6 +211,18 @@ TEST(FrameBuilder, BeamsThatTheDevicesFilterHidesAreNotFree) {
   }
 }
 
+TEST(FrameBuilder, BeamsThatTheFilterHidesLaterAreNotFreeForLong) {
+  SegmentBench bench;
+  for (std::uint64_t f = 0; f < 80; ++f) {
+    for (int i = 0; i < 10; ++i)  // from the fifth frame on the filter hides 40 beams
+      bench.send(bench.encode(filtered(bench, f, i, f < 5 ? 0 : 40, 552)), bench.arrival(f, i));
+  }
+  EXPECT_EQ(bench.scans.at(3).statuses[1], BeamStatus::hit);
+  for (std::size_t beam = 0; beam < 40; ++beam)
+    EXPECT_EQ(bench.scans.back().statuses[beam], BeamStatus::invalid) << beam;
+  EXPECT_EQ(bench.scans.back().statuses[45], BeamStatus::none);
+}
+
 TEST(FrameBuilder, WithoutEchoOnlyTheOutermostSegmentsMayBeHidden) {
   SegmentBench bench;
   for (std::uint64_t f = 0; f < 4; ++f) {

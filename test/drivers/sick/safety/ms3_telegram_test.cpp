@@ -185,6 +185,7 @@ TEST(Ms3Telegram, RefusesImpossibleGeometry) {
   EXPECT_EQ(verdict([](Ms3Sample&) {}), Reject::none);
   EXPECT_EQ(verdict([](Ms3Sample& s) { s.factor = 0; }), Reject::field);
   EXPECT_EQ(verdict([](Ms3Sample& s) { s.scan_time_ms = 0; }), Reject::field);
+  EXPECT_EQ(verdict([](Ms3Sample& s) { s.scan_time_ms = 60'000; }), Reject::field);
   EXPECT_EQ(verdict([](Ms3Sample& s) { s.step = 0; }), Reject::field);
   EXPECT_EQ(verdict([](Ms3Sample& s) { s.step = 0x7fffffff; }), Reject::field);
   EXPECT_EQ(verdict([](Ms3Sample& s) { s.step = -0x7fffffff; }), Reject::field);

@@ -186,6 +186,17 @@ TEST(SafetyDialogue, WritesWhatDiffersOnceAndSaysSo) {
   }
 }
 
+TEST(SafetyDialogue, WritesNothingOverADataOutputThatItCannotRead) {
+  Talk talk(wants(true));
+  talk.settings.hides_output = true;
+  talk.settings.current.features = 0x1e;
+  talk.run(10);
+  EXPECT_THAT(talk.settings.heard, testing::Not(Contains("call 176")));
+  EXPECT_EQ(talk.settings.current.features, 0x1e);
+  EXPECT_THAT(talk.warnings(),
+              ElementsAre(HasSubstr("neither compared nor written; set it in Safety Designer")));
+}
+
 TEST(SafetyDialogue, SendsTheVolatileSettingAgainAfterAPowerCycle) {
   Talk talk(wants(true));
   talk.run(5);

@@ -114,6 +114,23 @@ TEST(SafetyTopics, TellTheFlagsOfEachBeamWhereTheySayMoreThanTheRanges) {
   EXPECT_EQ(flags.angle_min, scan.angle_min);
 }
 
+TEST(SafetyTopics, TellStateAndOutputPathsInStandbyAndWithoutBeamsToo) {
+  DriverConfig config;
+  config.angle_min = config.angle_max = 3;  // no beam is there
+  for (const bool standby : {true, false}) {
+    SafetyBench bench(standby ? DriverConfig() : config);
+    bench.sample.state_flags = standby ? 0x02 : 0x01;
+    bench.sample.with_measurement = !standby;
+    bench.send_next();
+    EXPECT_TRUE(bench.scans.empty());
+    ASSERT_EQ(bench.states.size(), 2U);
+    EXPECT_EQ(value_of(bench.states[0], "standby_mode_active"), standby ? 1 : 0);
+    EXPECT_EQ(bench.states[1].topic, "output_paths");
+    EXPECT_EQ(bench.states[1].frame_id, "laser");
+    EXPECT_LT(std::abs(seconds(bench.states[0].stamp - bench.now)), 0.05);
+  }
+}
+
 TEST(SafetyTopics, LeaveOutBlocksThatAreSwitchedOff) {
   SafetyBench bench;
   bench.sample.with_state = bench.sample.with_application = bench.sample.with_intrusion = false;
