@@ -167,7 +167,8 @@ class VirtualVelodynes : public ::testing::TestWithParam<const char*> {};
 
 INSTANTIATE_TEST_SUITE_P(Models, VirtualVelodynes,
                          ::testing::Values("velodyne_vlp16", "velodyne_hdl32e", "velodyne_vlp32c",
-                                           "velodyne_hdl64e_s1", "velodyne_hdl64e_s3", "velodyne_vls128"));
+                                           "velodyne_hdl64e_s1", "velodyne_hdl64e_s3", "velodyne_vls128"),
+                         [](const auto& each) { return std::string(each.param); });
 
 /// A wall that the plane meets at 10 m on all sides: its beams that are free, and those that hit it.
 std::pair<std::size_t, std::size_t> free_and_hit(const char* model, double top, double plane,
