@@ -3,6 +3,7 @@
 #include "daemon/dropin/import.h"
 
 #include <algorithm>
+#include <map>
 #include <ostream>
 #include <set>
 
@@ -314,14 +315,15 @@ class Importer {
 
   /// Transforms that no sensor and no virtual scan hangs from.
   void report_unused_transforms() {
-    std::set<std::string> frames;
+    std::map<std::string, std::string> owners;
     for (auto& [name, sensor] : section(config_.keys, "sensors"))
-      frames.insert(without_slash(text_of(std::get<KeyMap>(sensor), "frame_id")));
+      owners.emplace(without_slash(text_of(std::get<KeyMap>(sensor), "frame_id")), "sensors." + name + ": ");
     for (const StaticTransform& one : transforms_) {
       if (used_.count(one.child) > 0) continue;
-      (frames.count(one.child) > 0 ? config_.changes : config_.remarks)
-          .push_back("the pose of " + one.child + " in " + one.parent +
-                     " is not part of this configuration, whose base_frame is " + base_ +
+      const auto owner = owners.find(one.child);
+      (owner != owners.end() ? config_.changes : config_.remarks)
+          .push_back((owner != owners.end() ? owner->second : "") + "the pose of " + one.child + " in " +
+                     one.parent + " is not part of this configuration, whose base_frame is " + base_ +
                      ": publish it on tf, " + yaml_text({{"pose", one.pose}}));
     }
   }
