@@ -81,9 +81,12 @@ ChangeableOutput virtual_output(const VirtualScanConfig& group, const Config& co
   ChangeableOutput output;
   output.id = {OutputId::Kind::virtual_group, group.name};
   output.worker = config.cloud_worker;
-  output.topics = group.virtual_laser_scan;
-  if (!group.output_laser_topic.empty()) output.topics = {group.output_laser_topic};
-  for (const AlsoScanConfig& also : group.also) output.topics.push_back(also.topic);
+  std::set<std::string> topics;
+  for (const std::string& frame : group.virtual_laser_scan) {
+    topics.insert(group.topic(frame));
+    for (const AlsoScanConfig& also : group.also) topics.insert(group.topic(frame, &also));
+  }
+  output.topics.assign(topics.begin(), topics.end());
   output.config = group.output;
   output.items = items_of(output.id.kind, names);
   return output;

@@ -55,6 +55,18 @@ TEST(OutputItems, HaveAServerForEachEntryOfTheConfiguration) {
   EXPECT_EQ(outputs[1].items.size() + 1, outputs[0].items.size()) << "virtual scans without profile";
 }
 
+TEST(OutputItems, HaveTheTopicsOfFurtherVirtualScansToo) {
+  const Config config = parse_config(
+      "sensors: {roof: {model: velodyne_vlp16}}\n"
+      "virtual_scans: {v: {cloud_topic: roof, virtual_laser_scan: [chest, low], profile: strict, also: "
+      "{near: "
+      "safety}}}",
+      "f");
+  const auto outputs = changeable_outputs(config, ReconfigureNames::entries);
+  ASSERT_FALSE(outputs.empty());
+  EXPECT_THAT(outputs.back().topics, ElementsAre("chest", "chest/near", "low", "low/near"));
+}
+
 TEST(OutputItems, ChangeOneByOneAndKeepTheRest) {
   ChangeableOutput output = changeable_outputs(vehicle(), ReconfigureNames::entries)[0];
   EXPECT_EQ(beams_of(output.config), 1440U);
