@@ -40,12 +40,13 @@ std::string room(double height) {
          box_z + "], size: [0.6, 0.8, 0.9]}\n";
 }
 
-/// Walls on the ground at 10 m on all sides, up to `top` m above it.
+/// Walls on the ground at 10 m on all sides and one at 5.5 m behind, up to `top` m above it.
 std::string walls(double height, double top) {
   const std::string z = ", z: [" + std::to_string(-height) + ", " + std::to_string(top - height) + "]}\n";
   return "ground: {z: " + std::to_string(-height) + "}\nobjects:\n  - wall: {from: [10, -10], to: [10, 10]" +
-         z + "  - wall: {from: [10, 10], to: [-10, 10]" + z + "  - wall: {from: [-10, 10], to: [-10, -10]" +
-         z + "  - wall: {from: [-10, -10], to: [10, -10]" + z;
+         z + "  - wall: {from: [-5.5, -3], to: [-5.5, 3]" + z + "  - wall: {from: [10, 10], to: [-10, 10]" +
+         z + "  - wall: {from: [-10, 10], to: [-10, -10]" + z + "  - wall: {from: [-10, -10], to: [10, -10]" +
+         z;
 }
 
 /// The newest cloud of a device among some objects.
@@ -178,6 +179,8 @@ std::pair<std::size_t, std::size_t> free_and_hit(const char* model, double top, 
   Cut cut;
   if (find_model(model)->has(Trait::silent_beams_are_free)) cut.settings.beams.no_return_free_range = 100;
   cut.frame = make_pose({0, 0, plane}, {0, 0, 0});
+  // Otherwise no beam would be free, since the lidar does not see the plane near it.
+  cut.footprint = Footprint({{-5, -5}, {5, -5}, {5, 5}, {-5, 5}});
   look(cut, seen.newest, lidar_z);
   std::size_t free = 0, hit = 0;
   for (const PlanarScan* scan : {&cut.strict, &cut.safety}) {
@@ -189,8 +192,12 @@ std::pair<std::size_t, std::size_t> free_and_hit(const char* model, double top, 
   return {free, hit};
 }
 
-TEST_P(VirtualVelodynes, SayNowhereThatALowWallIsNotThere) {
-  for (const double top : {0.35, 0.6, 1.2}) EXPECT_EQ(free_and_hit(GetParam(), top, 0.3, 0).first, 0U) << top;
+// Between the rings of other models such a wall is overlooked (limits.md).
+TEST(VirtualHdl64e, SaysNowhereThatALowWallIsNotThereWhetherAColumnHoldsOneBankOrBoth) {
+  for (const char* model : {"velodyne_hdl64e_s1", "velodyne_hdl64e_s3"}) {
+    for (const double top : {0.35, 0.6, 1.2})
+      EXPECT_EQ(free_and_hit(model, top, 0.3, 0).first, 0U) << model << top;
+  }
 }
 
 TEST_P(VirtualVelodynes, SayNothingOfWhatLiesBeyondTheirMaxRange) {

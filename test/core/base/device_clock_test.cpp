@@ -213,13 +213,14 @@ TEST(DeviceClock, LatenessIsAStepOnceEveryPacketOfHalfASecondWasSoLate) {
 }
 
 TEST(DeviceClock, ElevenSecondsLateIsAStepAtOnce) {
-  Punctual punctual;
-  punctual.receive_for(3000);
-  punctual.receive(9000);
-  EXPECT_EQ(punctual.clock.steps(), 0U);
-  punctual.receive(11'000);
-  EXPECT_EQ(punctual.clock.steps(), 1U);
-  EXPECT_NEAR(lidard::seconds(punctual.error()), 11, 1e-6);
+  Punctual stalled, stepped;
+  stalled.receive_for(3000);
+  stalled.receive(9000);
+  EXPECT_EQ(stalled.clock.steps(), 0U);
+  stepped.receive_for(3000);
+  stepped.receive(11'000);
+  EXPECT_EQ(stepped.clock.steps(), 1U);
+  EXPECT_NEAR(lidard::seconds(stepped.error()), 11, 1e-6);
 }
 
 TEST(DeviceClock, StallsFarApartDoNotAddUpToAStep) {
