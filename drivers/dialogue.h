@@ -80,23 +80,30 @@ class Dialogue {
 
 /// A dialogue over a TCP connection beside a stream of datagrams: reads, compares and writes allowed
 /// settings, then disconnects. It runs once, and again after the stream stopped, since the device may have
-/// lost its settings.
+/// lost its settings, or may be another one.
 class SideDialogue : public Dialogue {
  public:
-  /// `wanted`: the dialogue runs. `restores`: it runs again after the stream stopped.
+  /// `wanted`: the dialogue runs. `restores`: it can start the stream, so it is repeated while there is none.
   SideDialogue(bool wanted, bool restores, Span patience)
       : wanted_(wanted), restores_(restores), patience_limit_(patience) {}
 
   void connected(Stamp now, DriverOutput& out) {
     phase_ = Phase::talking;
     talked_ = true;
+    complete_ = failed_ = false;
     begin();
     begin_script(now, out);
   }
   /// Bytes from the device.
   virtual void receive(const Packet& packet, DriverOutput& out) = 0;
   /// The connection ended, or was refused.
-  void disconnected() { phase_ = Phase::idle; }
+  void disconnected() {
+    if (phase_ == Phase::talking) {
+      failed_ = true;
+      cut_off();
+    }
+    phase_ = Phase::idle;
+  }
   /// `last_data`: when the device last sent a datagram of its data; empty: never.
   void tick(Stamp now, std::optional<Stamp> last_data, DriverOutput& out) {
     now_ = now;
@@ -117,15 +124,19 @@ class SideDialogue : public Dialogue {
   virtual void begin() = 0;
   /// The last question was not answered.
   virtual void silent(DriverOutput& out) = 0;
+  /// The device closed the connection in the middle of the dialogue.
+  virtual void cut_off() = 0;
 
   bool is_talking() const { return phase_ == Phase::talking; }
   void ask(const std::vector<std::uint8_t>& question, DriverOutput& out) {
     patience_.start(now_, patience_limit_);
     send(question, out);
   }
-  /// `complete`: every possible step was done.
+  /// `complete`: every possible step was done; otherwise the dialogue is repeated after a pause.
   void hang_up(bool complete, DriverOutput& out) {
-    complete_ = complete_ || complete;
+    complete_ = complete;
+    failed_ = !complete;
+    ended_ = now_;
     phase_ = Phase::idle;
     out.disconnect(false);
   }
@@ -133,15 +144,17 @@ class SideDialogue : public Dialogue {
  private:
   enum class Phase : std::uint8_t { idle, dialling, talking };
 
-  bool is_due(std::optional<Stamp> last_data) const {
+  bool is_due(std::optional<Stamp> last_data) {
     /// After this silence the device may have lost its settings.
     constexpr Span silence = std::chrono::seconds(1);
     constexpr Span pause = std::chrono::milliseconds(500);
-    /// The pause after a complete dialogue that did not restart the stream.
+    /// The pause after a dialogue that failed, or did not restart the stream.
     constexpr Span fruitless_pause = std::chrono::seconds(5);
     const bool stopped = !last_data || now_ - *last_data > silence;
+    if (stopped && last_data && *last_data > ended_) complete_ = false;
     if (!wanted_ || (complete_ && !(restores_ && stopped))) return false;
-    const bool fruitless = complete_ && talked_ && (!last_data || *last_data < last_dial_);
+    const bool in_vain = complete_ && (!last_data || *last_data < last_dial_);
+    const bool fruitless = talked_ && (failed_ || in_vain);
     return !last_dial_ || now_ - *last_dial_ >= (fruitless ? fruitless_pause : pause);
   }
 
@@ -150,7 +163,9 @@ class SideDialogue : public Dialogue {
   Phase phase_ = Phase::idle;
   std::optional<Stamp> last_dial_;
   bool talked_ = false;    // the last attempt to connect succeeded
-  bool complete_ = false;  // a dialogue was completed
+  bool complete_ = false;  // the last dialogue was completed
+  bool failed_ = false;    // it was broken off
+  Stamp ended_{};          // when it did
 };
 
 }  // namespace lidard

@@ -36,10 +36,9 @@ bool Footprint::contains(const Eigen::Vector2d& point) const {
   return inside;
 }
 
-std::optional<Footprint::Crossing> Footprint::crossing(const Eigen::Vector2d& origin,
-                                                       const Eigen::Vector2d& direction) const {
-  double first = std::numeric_limits<double>::infinity();
-  double last = -first;
+std::vector<Footprint::Crossing> Footprint::crossings(const Eigen::Vector2d& origin,
+                                                      const Eigen::Vector2d& direction) const {
+  std::vector<double> borders = {0};
   for (std::size_t i = 0; i < vertices_.size(); ++i) {
     const Eigen::Vector2d a = vertices_[i] - origin;
     const Eigen::Vector2d edge = vertices_[(i + 1) % vertices_.size()] - vertices_[i];
@@ -47,13 +46,20 @@ std::optional<Footprint::Crossing> Footprint::crossing(const Eigen::Vector2d& or
     if (std::abs(slope) < 1e-12) continue;
     const double along_edge = cross(a, direction) / slope;
     const double along_ray = cross(a, edge) / slope;
-    if (along_edge < 0 || along_edge > 1 || along_ray < 0) continue;
-    first = std::min(first, along_ray);
-    last = std::max(last, along_ray);
+    if (along_edge >= 0 && along_edge <= 1 && along_ray >= 0) borders.push_back(along_ray);
   }
-  if (contains(origin)) first = 0;
-  if (!(last > first)) return std::nullopt;
-  return Crossing{first, last};
+  std::sort(borders.begin(), borders.end());
+  std::vector<Crossing> pieces;
+  for (std::size_t i = 1; i < borders.size(); ++i) {
+    const double in = borders[i - 1], out = borders[i];
+    // A corner is a border twice.
+    if (out - in < 1e-9 || !contains(origin + (in + out) / 2 * direction)) continue;
+    if (!pieces.empty() && in - pieces.back().out < 1e-9)
+      pieces.back().out = out;
+    else
+      pieces.push_back({in, out});
+  }
+  return pieces;
 }
 
 Footprint Footprint::padded(double margin) const {
@@ -89,9 +95,9 @@ constexpr double graze_m = 0.002;
 
 /// True if a beam runs into the body. A narrow strip of outline in front of a scanner on the border does not
 /// block.
-bool is_blocked(const std::optional<Footprint::Crossing>& body) {
-  if (!body || body->in <= 0) return false;
-  return body->in > Footprint::margin_m || body->out - body->in > housing_m;
+bool is_blocked(const std::vector<Footprint::Crossing>& body) {
+  if (body.empty() || body.front().in <= 0) return false;
+  return body.front().in > Footprint::margin_m || body.back().out - body.front().in > housing_m;
 }
 
 /// First and last range at which a beam that begins at height `from` and climbs `slope` per m is in the band;
@@ -122,6 +128,7 @@ void BeamRays::build(const PlanarScan& scan, const Pose& output_from_sensor, con
     list->clear();
   from_inside.clear();
   direction.clear();
+  pockets_.clear();
   const Footprint body = footprint.padded(-graze_m);
   const Footprint margin = footprint.padded(Footprint::margin_m);
   for (std::size_t i = 0; i < scan.beams; ++i) {
@@ -139,15 +146,32 @@ void BeamRays::add_beam(double angle, const Footprint& body, const Footprint& ma
   level.push_back(static_cast<float>(ray.head<2>().norm()));
   cosine.push_back(static_cast<float>(std::cos(angle)));
   sine.push_back(static_cast<float>(std::sin(angle)));
-  const auto own = margin.crossing(origin, ray.head<2>());
-  own_begin.push_back(own ? static_cast<float>(own->in) : nowhere);
-  own_end.push_back(own ? static_cast<float>(own->out) : nowhere);
-  const auto blocked = body.crossing(origin, ray.head<2>());
-  blocked_at.push_back(is_blocked(blocked) ? static_cast<float>(blocked->in) : nowhere);
+  const auto own = margin.crossings(origin, ray.head<2>());
+  own_begin.push_back(own.empty() ? nowhere : static_cast<float>(own.front().in));
+  own_end.push_back(own.empty() ? nowhere : static_cast<float>(own.back().out));
+  for (std::size_t i = 1; i < own.size(); ++i) {
+    pockets_.push_back(
+        {own_begin.size() - 1, static_cast<float>(own[i - 1].out), static_cast<float>(own[i].in)});
+  }
+  const auto blocked = body.crossings(origin, ray.head<2>());
+  blocked_at.push_back(is_blocked(blocked) ? static_cast<float>(blocked.front().in) : nowhere);
   const auto [begin, end] = clip(pose.translation().z(), ray.z(), band);
   band_begin.push_back(begin);
   band_end.push_back(end);
-  from_inside.push_back(blocked && blocked->in <= 0 && blocked->out > housing_m ? 1 : 0);
+  from_inside.push_back(!blocked.empty() && blocked.front().in <= 0 && blocked.back().out > housing_m ? 1
+                                                                                                      : 0);
+}
+
+float BeamRays::own_from(std::size_t beam, float range) const {
+  if (!(range >= own_begin[beam] && range <= own_end[beam])) return nowhere;
+  float from = own_begin[beam];
+  const auto before = [](const Pocket& pocket, std::size_t of) { return pocket.beam < of; };
+  for (auto it = std::lower_bound(pockets_.begin(), pockets_.end(), beam, before);
+       it != pockets_.end() && it->beam == beam && range > it->begin; ++it) {
+    if (range < it->end) return nowhere;
+    from = it->end;
+  }
+  return from;
 }
 
 }  // namespace lidard

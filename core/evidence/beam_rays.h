@@ -4,7 +4,6 @@
 
 #include <Eigen/Core>
 #include <cstddef>
-#include <optional>
 #include <vector>
 
 #include "core/base/pose.h"
@@ -16,7 +15,7 @@ namespace lidard {
 /// Outline of the vehicle, a simple polygon in the xy plane of some frame, m.
 class Footprint {
  public:
-  /// Where a ray enters and leaves the outline, m along the ray. `in` is 0 if the ray begins inside.
+  /// A piece of a ray inside the outline, m along the ray. `in` is 0 if the ray begins inside.
   struct Crossing {
     double in = 0;
     double out = 0;
@@ -33,8 +32,9 @@ class Footprint {
   bool empty() const { return vertices_.empty(); }
   const std::vector<Eigen::Vector2d>& vertices() const { return vertices_; }
   bool contains(const Eigen::Vector2d& point) const;
-  /// First entry and last exit of the ray; none if it only touches or misses the outline.
-  std::optional<Crossing> crossing(const Eigen::Vector2d& origin, const Eigen::Vector2d& direction) const;
+  /// The pieces of the ray inside the outline, in order; none if it only touches or misses the outline,
+  /// several only if the outline is concave.
+  std::vector<Crossing> crossings(const Eigen::Vector2d& origin, const Eigen::Vector2d& direction) const;
   /// Every edge moved outward by `margin` m (inward if negative).
   Footprint padded(double margin) const;
   /// The outline in another frame; heights are dropped.
@@ -56,6 +56,9 @@ class BeamRays {
              HeightBand band);
 
   std::size_t size() const { return x.size(); }
+  /// Where the piece of the vehicle begins in which a return of the beam lies, m; infinite if it lies in
+  /// none.
+  float own_from(std::size_t beam, float range) const;
 
   Pose pose = Pose::Identity();            ///< output_from_sensor
   double angle_min = 0;                    ///< rad, sensor frame
@@ -65,14 +68,21 @@ class BeamRays {
   std::vector<float> level;                ///< m in the output's plane per m of range
   std::vector<float> cosine;               ///< in the sensor frame
   std::vector<float> sine;
-  std::vector<float> own_begin;  ///< returns in [own_begin, own_end] hit the vehicle; inf: none
-  std::vector<float> own_end;
+  /// Returns in [own_begin, own_end] hit the vehicle or lie between two of its parts, which own_from()
+  /// distinguishes; inf: none.
+  std::vector<float> own_begin, own_end;
   std::vector<float> blocked_at;  ///< range where the beam runs into the body from outside; inf: nowhere
   std::vector<float> band_begin;  ///< ranges in [band_begin, band_end] are at heights that count
   std::vector<float> band_end;    ///< below band_begin: none of them
-  std::vector<char> from_inside;  ///< the beam begins inside and stays so for more than a housing's depth
+  std::vector<char> from_inside;  ///< the beam begins inside and leaves the vehicle beyond a housing's depth
 
  private:
+  /// Where a beam leads out of the vehicle and into it again, m: between the forks of a truck.
+  struct Pocket {
+    std::size_t beam;
+    float begin, end;
+  };
+  std::vector<Pocket> pockets_;  // by beam
   void add_beam(double angle, const Footprint& body, const Footprint& margin, HeightBand band);
 };
 

@@ -81,9 +81,9 @@ class Conditioner {
   void accept_hit(std::size_t beam, std::size_t i) {
     const float range = scan_.ranges[i];
     if (scan_.echoes > 1) keep_early_echoes(beam, i);
-    if (range >= rays_.own_begin[beam] && range <= rays_.own_end[beam]) {
+    if (const float own = rays_.own_from(beam, range); std::isfinite(own)) {
       ++sweep_.own_returns;
-      free_in_band(beam, rays_.own_begin[beam]);
+      free_in_band(beam, own);
       return;
     }
     if (range > rays_.blocked_at[beam]) {
@@ -104,8 +104,7 @@ class Conditioner {
   /// True for a return that is neither the vehicle's nor seen through it.
   bool counts(std::size_t beam, std::size_t i) const {
     const float r = scan_.ranges[i];
-    return usable(i) && !(r >= rays_.own_begin[beam] && r <= rays_.own_end[beam]) &&
-           r <= rays_.blocked_at[beam];
+    return usable(i) && !std::isfinite(rays_.own_from(beam, r)) && r <= rays_.blocked_at[beam];
   }
 
   /// The way beyond an early echo is not free, although later echoes were measured through it.

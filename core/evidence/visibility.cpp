@@ -31,7 +31,7 @@ Visibility::Visibility(const ScanGrid& grid, const VisibilitySettings& settings,
       body_ends_(way_ends_),
       parts_(sources),
       begin_(grid.beams, 0),
-      inside_(grid.beams),
+      pieces_(grid.beams + 1, 0),
       states_(grid.beams, BeamState::unobserved),
       open_to_(grid.beams / VisibilityTable::wedge_beams + 1),
       covered_(grid.beams, 0),
@@ -46,26 +46,35 @@ Visibility::Visibility(const ScanGrid& grid, const VisibilitySettings& settings,
 
 void Visibility::set_footprint(const Footprint& footprint) {
   const Footprint body = footprint.padded(Footprint::margin_m);
-  const bool inside = footprint.contains({0, 0}) || body.contains({0, 0});
+  inside_.clear();
   for (std::size_t beam = 0; beam < beams(); ++beam) {
     const double angle = raster_.grid().angle(beam);
-    const auto crossing = body.crossing({0, 0}, {std::cos(angle), std::sin(angle)});
-    begin_[beam] = inside && crossing ? static_cast<float>(crossing->out) : 0.0F;
-    inside_[beam] = {};
-    if (!crossing) continue;
-    const auto end = static_cast<float>(crossing->out);
-    // The step that holds the border belongs to the body: no source sees into it.
-    const std::size_t border = inside ? 0 : table_.step_at(static_cast<float>(crossing->in));
-    inside_[beam] = {border, table_.step_at(end), end};
+    const auto crossings = body.crossings({0, 0}, {std::cos(angle), std::sin(angle)});
+    const bool begins_inside = !crossings.empty() && crossings.front().in <= 0;
+    begin_[beam] = begins_inside ? static_cast<float>(crossings.front().out) : 0.0F;
+    pieces_[beam] = inside_.size();
+    for (const auto& [in, out] : crossings) {
+      const auto end = static_cast<float>(out);
+      // The step that holds the border belongs to the body: no source sees into it.
+      const std::size_t from = table_.step_at(static_cast<float>(in)), to = table_.step_at(end);
+      if (inside_.size() > pieces_[beam] && from <= inside_.back().to)
+        inside_.back().to = to, inside_.back().end = end;
+      else
+        inside_.push_back({from, to, end});
+    }
   }
+  pieces_[beams()] = inside_.size();
   for (std::size_t row = 0; row < rows_; ++row) find_ways(row);
 }
 
 void Visibility::find_ways(std::size_t row) {
   if (maps_[row].size() == 0) return;
   table_.set(row, rows_, raster_, maps_[row], begin_);
-  for (std::size_t beam = 0; beam < beams(); ++beam)
-    body_ends_[row][beam] = place_at(row, beam, inside_[beam].end);
+  body_ends_[row].resize(inside_.size());
+  for (std::size_t beam = 0; beam < beams(); ++beam) {
+    for (std::size_t i = pieces_[beam]; i < pieces_[beam + 1]; ++i)
+      body_ends_[row][i] = place_at(row, beam, inside_[i].end);
+  }
 }
 
 void Visibility::set_source(std::size_t source, const BeamRays& rays) {
@@ -240,7 +249,7 @@ bool Visibility::sees_piece(Walk& walk, std::size_t step, bool from_body, std::s
   for (std::size_t asked = 0; asked < walk.sources; ++asked, next_source(walk)) {
     const std::size_t s = walk.source, row = row_of(s);
     if (maps_[s].size() == 0) continue;
-    const auto begin = from_body ? body_ends_[row][beam] : table_.place(beam, row, step);
+    const auto begin = from_body ? body_ends_[row][walk.body] : table_.place(beam, row, step);
     const auto end = to_end ? way_ends_[row][beam] : table_.place(beam, row, to);
     if (!maps_[s].is_free(begin, end)) continue;
     see(walk, s, to_end ? ways_[beam] : table_.edge(to));
@@ -253,8 +262,9 @@ bool Visibility::accept(Walk& walk, float from, float to) {
   std::array<float, std::tuple_size_v<Parts>> at, x, y;
   for (std::size_t part = 0; part < at.size(); ++part) {
     at[part] = part < parts_of_step ? from + (to - from) * static_cast<float>(part) / parts_of_step : to;
-    x[part] = at[part] * raster_.cosine(walk.beam);
-    y[part] = at[part] * raster_.sine(walk.beam);
+    const float place = std::max(at[part], VisibilityTable::nearest_place);
+    x[part] = place * raster_.cosine(walk.beam);
+    y[part] = place * raster_.sine(walk.beam);
   }
   for (std::size_t row = 0; row < rows_; ++row) {
     if (maps_[row].size() > 0) maps_[row].find_places(x.data(), y.data(), at.size(), parts_[row].data());
@@ -291,37 +301,39 @@ bool Visibility::may_hold_body(const Walk& walk, std::size_t step) const {
 
 bool Visibility::is_covered(std::size_t beam, std::size_t sources) {
   const float end = ways_[beam];
-  const Inside& body = inside_[beam];
+  std::size_t body = pieces_[beam];
+  const std::size_t no_body = pieces_[beam + 1];
   const std::size_t last = table_.step_at(end);
+  const auto body_from = [&] { return body < no_body ? inside_[body].from : last + 1; };
   Walk walk{beam, sources, last, witness_ < sources ? witness_ : 0};
   // What cannot be seen lies nearest.
   if (observing_ < sources) walk.source = observing_;
   blind_to_[beam] = 0;
   body_at_[beam] = infinite;
-  bool body_ahead = body.end > 0;
   bool from_body = false;
   bool covered = true;
   for (std::size_t m = 0; walk.at < end;) {
-    if (body_ahead && m >= body.from) {
-      body_ahead = false;
+    if (body < no_body && m >= inside_[body].from) {
+      const bool at_begin = m == 0 && begin_[beam] > 0;
       from_body = true;
-      m = body.to;
-      walk.at = walk.known = body.end;
+      walk.body = body++;
+      m = inside_[walk.body].to;
+      walk.at = walk.known = inside_[walk.body].end;
       // If the origin lies inside, the table's stretches begin at the border, too.
-      if (begin_[beam] > 0 && sources <= observing_)
-        m = std::max(m, seen_stretches(walk, m / many * many, last / many * many));
-      if (m > body.to) from_body = false, walk.at = table_.edge(m);
+      if (at_begin && sources <= observing_)
+        m = std::max(m, seen_stretches(walk, m / many * many, std::min(body_from(), last) / many * many));
+      if (m > inside_[walk.body].to) from_body = false, walk.at = table_.edge(m);
       continue;
     }
     // Try to walk to the end of the way or to the next stretch at once; otherwise stretch by stretch, then
     // step by step.
     std::size_t to = std::min(m / many * many + many, last + 1);
-    if ((body_ahead && body.from < to) || (!from_body && m % many == 0 && to <= last)) to = m;
+    if (body_from() < to || (!from_body && m % many == 0 && to <= last)) to = m;
     if (to == m || !sees_piece(walk, m, from_body, to)) {
       to = m;
       const std::size_t whole = last / many * many;
       const std::size_t limit = m < whole ? whole : last;
-      if (!from_body && m < last) to = seen_run(walk, m, body_ahead ? std::min(limit, body.from) : limit);
+      if (!from_body && m < last) to = seen_run(walk, m, std::min(limit, body_from()));
     }
     if (to == m) {
       to = m + 1;

@@ -94,11 +94,12 @@ class Visibility {
   /// State of a walk along a beam.
   struct Walk {
     std::size_t beam, sources;
-    std::size_t last;    // step that holds the end of the way
-    std::size_t source;  // to be queried next
-    float at = 0;        // m, walked so far
-    float known = 0;     // m, end of the last piece that was seen
-    float unseen = 0;    // m in total where no source has a beam
+    std::size_t last;      // step that holds the end of the way
+    std::size_t source;    // to be queried next
+    float at = 0;          // m, walked so far
+    float known = 0;       // m, end of the last piece that was seen
+    float unseen = 0;      // m in total where no source has a beam
+    std::size_t body = 0;  // the piece of the vehicle last walked through
   };
   void see(Walk& walk, std::size_t source, float to);
   static void next_source(Walk& walk) { walk.source = walk.source + 1 < walk.sources ? walk.source + 1 : 0; }
@@ -140,10 +141,10 @@ class Visibility {
   std::size_t seen_from_ = 0;  // the step from which on the last way was seen
   RangeLayer nearest_;
   RangeLayer mixed_pixels_;
-  /// Where a beam leads through the vehicle; this part need not be observed.
+  /// A piece of a beam's way that leads through the vehicle; it need not be observed.
   struct Inside {
-    std::size_t from = 0, to = 0;  // the first and the last step
-    float end = 0;                 // m; 0: nowhere
+    std::size_t from, to;  // the first and the last step
+    float end;             // m
   };
   float range_max_;            // m
   float open_ = 0;             // m that a beam without a hit must be free
@@ -153,7 +154,7 @@ class Visibility {
   std::vector<float> ways_;    // m of each beam that must be seen to be free
   std::vector<float> end_x_, end_y_;                         // where they end
   std::vector<std::vector<FreeSpaceMap::Place>> way_ends_;   // of each row, by beam
-  std::vector<std::vector<FreeSpaceMap::Place>> body_ends_;  // where beams leave the vehicle
+  std::vector<std::vector<FreeSpaceMap::Place>> body_ends_;  // of each row, the ends of inside_
   /// A step that no single source sees completely is checked in this number of parts.
   static constexpr std::size_t parts_of_step = 4;
   /// Where the parts begin, and the end of the last one; so many more that all are computed at once.
@@ -161,6 +162,7 @@ class Visibility {
   std::vector<Parts> parts_;  // of the current step, per place from which sources look
   std::vector<float> begin_;  // m, the vehicle's border if the origin lies inside
   std::vector<Inside> inside_;
+  std::vector<std::size_t> pieces_;  // the first of each beam in inside_, and the number of all
   std::vector<BeamState> states_;
   std::vector<std::size_t> open_to_;  // of each wedge
   std::vector<float> covered_;

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <cassert>
 
 #include "core/evidence/visibility.h"
@@ -9,7 +10,10 @@ namespace lidard {
 bool Visibility::is_seen_all_along(std::size_t beam) const {
   constexpr float apart = 0.01F;  // m
   for (float at = begin_[beam] + apart; at < ways_[beam]; at += apart) {
-    if (at > table_.edge(inside_[beam].from) && at < inside_[beam].end) continue;
+    const auto begin = inside_.begin();
+    if (std::any_of(begin + pieces_[beam], begin + pieces_[beam + 1],
+                    [&](const Inside& body) { return at > table_.edge(body.from) && at < body.end; }))
+      continue;
     bool seen = false;
     for (std::size_t s = 0; s < observing_ && !seen; ++s)
       seen = maps_[s].size() > 0 && maps_[s].is_free(place_at(s, beam, at));

@@ -83,7 +83,7 @@ void VisibilityTable::set(std::size_t source, std::size_t sources, const Raster&
     const std::int16_t passed = FreeSpaceMap::ordered(map.distance(std::fabs(map.y() * c - map.x() * s)));
     for (std::size_t k = 0; k < stretches_of_beam_; ++k) {
       for (std::size_t i = 0; i <= stretch_steps; ++i) {
-        const float range = edges_[std::min(k * stretch_steps + i, steps())];
+        const float range = std::max(edges_[std::min(k * stretch_steps + i, steps())], nearest_place);
         const float from = std::max(range, begins[beam]);
         places[i] = map.place_of(from * c, from * s);
         if (i == stretch_steps) break;

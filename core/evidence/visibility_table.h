@@ -30,6 +30,9 @@ class VisibilityTable {
     }
   };
   static constexpr std::size_t stretch_steps = 8;
+  /// m from the origin to the first place of a way: a source in the origin sees the origin itself in no
+  /// direction.
+  static constexpr float nearest_place = 0.001F;
   /// A wedge is so many neighbouring beams together; the last one may have fewer.
   static constexpr std::size_t wedge_beams = 8;
 

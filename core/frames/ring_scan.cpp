@@ -67,6 +67,8 @@ void RingScan::gather(const Cloud& cloud) {
         ++counted;
       }
     }
+    // Perhaps the ring was not fired.
+    if (cloud.bank_by_bank && firing.status == BeamStatus::none) continue;
     if (!again) {
       firings_.push_back(firing);
     } else {

@@ -100,8 +100,9 @@ SourceState Scheduler::state(std::size_t index, Stamp now) const {
 Stamp Scheduler::next_arrival(const Source& source) {
   const double period = source.period > 0 ? source.period : usual_period_s;
   // Counted from the stamp, so that a late sweep does not extend the wait for the next one. At most one
-  // period of delay is accepted.
-  return source.end + span_from_seconds(period + std::min(source.delay, period));
+  // period of delay is accepted, and so much of a stamp that has jumped ahead.
+  const Stamp arrival = source.end + span_from_seconds(std::min(source.delay, period));
+  return std::min(arrival, source.arrival + span_from_seconds(period)) + span_from_seconds(period);
 }
 
 Stamp Scheduler::wait_end(const Source& source) const {

@@ -156,6 +156,7 @@ class RingGrid {
   std::vector<float> point_azimuths_;        // rad per point, clockwise from behind, >= 0
   std::vector<std::uint16_t> point_rows_;    // per point; 0xFFFF: none
   std::size_t measured_rings_ = 0;           // number of rings when step_ was measured
+  std::size_t clouds_ = 0;                   // placed by azimuth
   std::vector<float> phases_, phase_sines_;  // per ring: position of its beams within a column's width
   std::vector<std::vector<float>> steps_;    // rad between returns, per ring
 };

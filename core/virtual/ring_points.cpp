@@ -170,8 +170,11 @@ bool RingGrid::measure_step(const Cloud& cloud) {
     steps.erase(std::remove_if(steps.begin(), steps.end(), is_none), steps.end());
   }
   float coarsest = 0;
+  std::size_t most = 0;
+  for (const auto& steps : steps_) most = std::max(most, steps.size());
   for (auto& steps : steps_) {
-    if (steps.size() < fewest_steps) continue;
+    // A ring with few returns, e.g. of leaves, shows gaps instead of steps.
+    if (steps.size() < std::max(fewest_steps, most / 16)) continue;
     const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
     std::nth_element(steps.begin(), middle, steps.end());
     // The mean of the usual steps, since single steps are rounded on the wire.
@@ -186,7 +189,9 @@ bool RingGrid::measure_step(const Cloud& cloud) {
     if (count > 0) coarsest = std::max(coarsest, sum / count);
   }
   if (!(coarsest > 0)) return false;
-  step_ = static_cast<double>(turn / std::round(turn / coarsest));
+  const auto step = static_cast<double>(turn / std::round(turn / coarsest));
+  constexpr double noise = 0.05;
+  if (std::fabs(step - step_) > noise * step_) step_ = step;
   return true;
 }
 
@@ -257,7 +262,10 @@ bool RingGrid::organise_points(const Cloud& cloud, const CloudMotion* motion) {
     else
       point_rows_[i] = p.ring < rings_ ? rows_[p.ring] : std::uint16_t{0xFFFF};
   }
-  if ((step_ <= 0 || measured_rings_ != rings_) && !measure_step(cloud)) {
+  // The device may be set to other steps while it runs.
+  constexpr std::size_t measured_every = 50;
+  const bool is_new = step_ <= 0 || measured_rings_ != rings_;
+  if ((is_new || ++clouds_ % measured_every == 0) && !measure_step(cloud) && is_new) {
     why_not_ = "its rings have too few returns to measure their azimuth step";
     return false;
   }

@@ -60,6 +60,15 @@ Pose new_pose(const CalibratedSensor& sensor, bool has_drive) {
   return pose;
 }
 
+/// The configuration with other mounts. Throws std::runtime_error for a file that cannot be edited.
+std::string edited(const std::string& config, const std::map<std::string, MountEdit>& mounts) {
+  try {
+    return with_mounts(read_file(config, "a readable YAML file"), mounts);
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(config + ": " + error.what());
+  }
+}
+
 void write_mounts(const CalibrateOptions& options, const std::vector<CalibratedSensor>& sensors) {
   std::map<std::string, MountEdit> mounts;
   for (const CalibratedSensor& sensor : sensors) {
@@ -68,7 +77,7 @@ void write_mounts(const CalibrateOptions& options, const std::vector<CalibratedS
     edit.pose = sensor.after;
     if (sensor.sigma(3)) edit.time_offset = sensor.time_offset_after();
   }
-  const std::string text = with_mounts(read_file(options.config, "a readable YAML file"), mounts);
+  const std::string text = edited(options.config, mounts);
   static_cast<void>(
       parse_config(text, options.config));  // throws where the file has a form that cannot be edited
   TextFile file(options.output);

@@ -138,6 +138,8 @@ class Forecast {
   void question_reach(const Value& entry, const Output& output, double reach, double free_required = 0) {
     const double range_max = output.output.grid.range_max;
     const double wanted = free_required > 0 ? std::min(free_required, range_max) : range_max;
+    if (output.has_visibility() && output.output.unobserved == EmptyBeam::inf)
+      add(value_of(entry, "unobserved"), "is inf: what nobody has seen looks as what is free");
     if (!output.has_visibility() || wanted <= reach) return;
     const Value key = value_of(entry, free_required > 0 ? "free_required" : "range_max");
     add(key, "is " + number_text(wanted) + " m, and its sources see no farther than " +
@@ -163,8 +165,9 @@ class Forecast {
     for (int k = 0; k < 100; ++k) {
       const double angle = grid.angle_min + (grid.angle_max - grid.angle_min) * k / 100;
       const Eigen::Vector2d ahead(std::cos(angle), std::sin(angle));
-      const auto own = outline.crossing({0, 0}, ahead);
-      const Eigen::Vector2d begin = ahead * ((own && own->in <= 0 ? own->out : 0) + forgiven_m);
+      const auto own = outline.crossings({0, 0}, ahead);
+      const double border = own.empty() || own.front().in > 0 ? 0 : own.front().out;
+      const Eigen::Vector2d begin = ahead * (border + forgiven_m);
       const Eigen::Vector3d seen = *place * Eigen::Vector3d(begin.x(), begin.y(), 0);
       const double elevation = std::atan2(seen.z(), seen.head<2>().norm());
       if (elevation < lowest - between_rings || elevation > highest + between_rings) ++blind;

@@ -35,6 +35,10 @@ class Player {
 
  private:
   bool play_once(const std::function<bool()>& stop);
+  /// Goes on at the same pace where the clock of the capture was set, or nothing came for long.
+  void follow_clock(Stamp arrival);
+  /// The clock that subscribers see does not go back by single packets.
+  void show_time(Stamp stamp);
   bool wait_for(Stamp stamp, const std::function<bool()>& stop);
   std::chrono::steady_clock::time_point due(Stamp stamp) const;
 
@@ -42,9 +46,11 @@ class Player {
   MergedCapture& capture_;
   Pipeline& pipeline_;
   bool started_ = false;
-  Stamp begin_{};  // begin of the replay on the output's time scale
+  Stamp begin_{};  // of the replay; moves with the clock of the capture
+  Stamp first_{};  // of the first packet played
   Stamp last_{};
   Stamp next_{};
+  Stamp shown_{};
   Span restamp_shift_{0};  // from the capture's stamps to those of the first round
   Span loop_shift_{0};     // from the capture's stamps to those of this round
   std::chrono::steady_clock::time_point wall_begin_;

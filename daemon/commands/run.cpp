@@ -81,7 +81,7 @@ class Daemon {
     sensors_.add_items = [this](auto& items) {
       items.push_back(clock_.item());
       items.push_back(configuration_item());
-      if (merges_scans_of_clouds()) items.push_back(hand_over_item());
+      if (merges_scans_of_clouds()) items.push_back(hand_over_item(clock_.now()));
       if (auto item = box_.item()) items.push_back(std::move(*item));
     };
     sensors_.on_round = [this] { feed_watchdog(); };
@@ -154,10 +154,11 @@ class Daemon {
   }
   /// Call it in the thread of the worker for clouds, or before the thread runs.
   void connect_workers() {
-    const auto hand_over = [this, config = config_](std::size_t source, const PlanarScan& scan, Stamp) {
+    const auto hand_over = [this, config = config_](std::size_t source, const PlanarScan& scan, Stamp now) {
       constexpr int most_waiting = 100;
       if (handed_over_ >= most_waiting) {
         ++not_handed_over_;
+        not_handed_over_at_ = now;
         return;
       }
       ++handed_over_;
@@ -185,7 +186,7 @@ class Daemon {
     wants_reload_ = reader_.joinable();
     if (wants_reload_) return;
     service_.reloading();
-    reader_ = std::thread([this, file = config_->file] {
+    const auto read = [this, file = config_->file] {
       std::shared_ptr<const Config> config;
       std::string trouble;
       try {
@@ -195,7 +196,12 @@ class Daemon {
       }
       sensors_.post(
           [this, config, trouble](Stamp now) { config ? change(config, now) : end_reload(trouble); });
-    });
+    };
+    try {
+      reader_ = std::thread(read);
+    } catch (const std::system_error& error) {
+      end_reload(std::string("no thread can read the file: ") + error.what());
+    }
   }
   /// Switches both workers in order, each in its own thread.
   void change(std::shared_ptr<const Config> config, Stamp now) {
@@ -223,7 +229,7 @@ class Daemon {
   }
   /// `trouble`: why the file was rejected; empty: it is in force.
   void end_reload(const std::string& trouble) {
-    reader_.join();
+    if (reader_.joinable()) reader_.join();
     trouble_ = trouble;
     ++reloads_;
     if (trouble.empty())
@@ -242,12 +248,12 @@ class Daemon {
     return false;
   }
   /// The item on virtual scans that are merged.
-  DiagnosticItem hand_over_item() const {
+  DiagnosticItem hand_over_item(Stamp now) const {
     DiagnosticItem item{"virtual scans to merge"};
-    const std::uint64_t lost = not_handed_over_;
-    item.add("Scans dropped", lost);
+    constexpr Span news = std::chrono::seconds(10);
+    item.add("Scans dropped", not_handed_over_.load());
     item.message = "all are handed over";
-    if (lost > 0)
+    if (not_handed_over_ > 0 && now - not_handed_over_at_.load() < news)
       item.set(Health::warn, "scans were dropped, since this computer is too busy to merge them; see `top`");
     return item;
   }
@@ -346,6 +352,7 @@ class Daemon {
   std::uint64_t clouds_rounds_ = 0;
   std::atomic<int> handed_over_{0};  // scans queued from the worker for clouds to the sensor thread
   std::atomic<std::uint64_t> not_handed_over_{0};
+  std::atomic<Stamp> not_handed_over_at_{Stamp{}};  // the last time
   boost::asio::signal_set signals_;
   boost::asio::signal_set requests_;  // signals that do not end the daemon
   int ticks_ = 0;

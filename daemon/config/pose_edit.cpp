@@ -84,17 +84,23 @@ Edit time_offset_edit(const std::string& text, const YAML::Node& sensor, double 
 
 }  // namespace
 
-std::string with_mounts(const std::string& text, const std::map<std::string, MountEdit>& mounts) {
+std::string with_mounts(const std::string& file, const std::map<std::string, MountEdit>& mounts) {
+  // The positions that yaml-cpp reports leave out a byte order mark.
+  const std::size_t mark = file.compare(0, 3, "\xEF\xBB\xBF") == 0 ? 3 : 0;
+  const std::string text = file.substr(mark);
   const YAML::Node sensors = YAML::Load(text)["sensors"];
   std::vector<Edit> edits;
   for (const auto& [name, mount] : mounts) {
+    if (!sensors[name].IsMap() || !sensors[name]["pose"])
+      throw std::runtime_error("write the pose of " + name +
+                               " into its own entry, not into one that is merged with <<");
     if (mount.time_offset) edits.push_back(time_offset_edit(text, sensors[name], *mount.time_offset));
     add_pose_edits(text, sensors[name]["pose"], name, mount.pose, edits);
   }
   std::sort(edits.begin(), edits.end(), [](const Edit& a, const Edit& b) { return a.from > b.from; });
   std::string result = text;
   for (const Edit& edit : edits) result.replace(edit.from, edit.to - edit.from, edit.text);
-  return result;
+  return file.substr(0, mark) + result;
 }
 
 }  // namespace lidard

@@ -16,11 +16,11 @@ constexpr double vehicle_size_m = 1000;  // a vehicle is smaller; millimetres wr
 
 bool is_word_character(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
 
-/// The rules of ROS names: `~` or `/` or a letter first; then letters, digits, `_`, single `/`.
+/// The rules of ROS names: `/` or a letter first; then letters, digits, `_`, single `/`. Private names (`~x`)
+/// are no topics to roscpp's NodeHandle.
 bool is_topic_name(const std::string& name) {
-  const std::size_t first = name.find_first_not_of("~/");
-  if (first > 2 || name.find("//") != std::string::npos) return false;  // npos is greater, too
-  if (first == 2 && name.compare(0, 2, "~/") != 0) return false;
+  const std::size_t first = name.find_first_not_of('/');
+  if (first > 1 || name.find("//") != std::string::npos) return false;  // npos is greater, too
   if (std::isalpha(static_cast<unsigned char>(name[first])) == 0 || name.back() == '/') return false;
   return std::all_of(name.begin() + static_cast<std::ptrdiff_t>(first), name.end(),
                      [](char c) { return is_word_character(c) || c == '/'; });

@@ -61,6 +61,7 @@ std::optional<Rejection> no_sender(const KeyValue& value) {
 std::optional<Rejection> no_group(const KeyValue& value) {
   const auto address = IpAddress::parse(std::get<std::string>(value));
   if (!address) return Rejection{"is {}, which is no address", group_form};
+  if (address->v6) return Rejection{"is {}, an IPv6 address, from which nothing is received", group_form};
   if (address->is_multicast()) return std::nullopt;
   return Rejection{"is {}, which is no multicast group", group_form};
 }

@@ -107,6 +107,9 @@ void read_vehicle(Mapping& root, Reading& reading) {
   if (!vehicle.footprint.empty())
     reading.claims.publishes("footprint", "vehicle.footprint", yaml.where("footprint"));
   check_motion(yaml, vehicle);
+  if (!vehicle.odometry_frame.empty())
+    reading.claims.holds_frame(vehicle.base_frame, vehicle.odometry_frame, Pose::Identity(),
+                               "vehicle.odometry_frame", yaml.where("odometry_frame"));
 }
 
 const Keys<BlackBoxConfig>& black_box_keys() {

@@ -39,7 +39,7 @@ constexpr Dropin dropins[] = {
      ReconfigureNames::entries, safety_scanners_setup},
     {"urg_node", "urg_node",
      "Stands in for urg_node: reads its private parameters (ip_address, frame_id, angle_min, ...) and "
-     "publishes scan, or echoes.\n",
+     "publishes scan, or urg_node/echoes.\n",
      ReconfigureNames::entries, urg_node_setup},
     // In ira_laser_tools the names of the node and of its executable differ.
     {"laserscan_multi_merger", "laser_multi_merger",

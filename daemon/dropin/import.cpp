@@ -48,6 +48,7 @@ std::string_view package_name(const LaunchNode& node) {
 /// The tables of velodyne_pointcloud/params (1.7.0) that equal those of the models here: clouds differ by at
 /// most 0.07 mm, from the rounding of angles in VLP16_hires_db.yaml.
 bool is_table_of_model(const std::string& path) {
+  if (path.find("velodyne_pointcloud/params/") == std::string::npos) return false;  // perhaps another table
   constexpr std::string_view names[] = {"VLP16db.yaml", "VLP16_hires_db.yaml", "32db.yaml",
                                         "VeloView-VLP-32C.yaml", "VLS128.yaml"};
   return std::find(std::begin(names), std::end(names), path.substr(path.rfind('/') + 1)) != std::end(names);
@@ -228,7 +229,8 @@ class Importer {
       const Eigen::Quaterniond turn(numbers[6], numbers[3], numbers[4], numbers[5]);
       pose.linear() = turn.normalized().toRotationMatrix();
     }
-    transforms_.push_back({frames[0], frames[1], pose});
+    // Before those that drivers publish if nobody forbids it: a frame has one parent.
+    transforms_.insert(transforms_.begin(), {frames[0], frames[1], pose});
   }
 
   /// The sensor that publishes the topic; empty: none.
@@ -277,14 +279,14 @@ class Importer {
   /// The pose of the frame in the base frame, through a chain of transforms.
   std::optional<Pose> pose_of(std::string frame, std::string& root) {
     Pose pose = Pose::Identity();
-    std::set<std::string> chain;
+    std::set<const StaticTransform*> chain;
     root = frame;
     for (std::size_t steps = 0; steps <= transforms_.size() && frame != base_; ++steps) {
       const auto up = std::find_if(transforms_.begin(), transforms_.end(),
                                    [&](const StaticTransform& one) { return one.child == frame; });
       if (up == transforms_.end()) return std::nullopt;
       pose = up->pose * pose;
-      chain.insert(frame);
+      chain.insert(&*up);
       root = frame = up->parent;
     }
     if (frame != base_) return std::nullopt;
@@ -319,7 +321,7 @@ class Importer {
     for (auto& [name, sensor] : section(config_.keys, "sensors"))
       owners.emplace(without_slash(text_of(std::get<KeyMap>(sensor), "frame_id")), "sensors." + name + ": ");
     for (const StaticTransform& one : transforms_) {
-      if (used_.count(one.child) > 0) continue;
+      if (used_.count(&one) > 0) continue;
       const auto owner = owners.find(one.child);
       (owner != owners.end() ? config_.changes : config_.remarks)
           .push_back((owner != owners.end() ? owner->second : "") + "the pose of " + one.child + " in " +
@@ -342,7 +344,7 @@ class Importer {
   ImportedConfig config_;
   std::set<std::string> names_, side_topics_;
   std::vector<StaticTransform> transforms_;
-  std::set<std::string> used_;  // frames whose transforms are part of a pose
+  std::set<const StaticTransform*> used_;  // parts of a pose
   std::string base_;
   std::string odometry_, moved_;  // the fixed frame, and the frame of a sensor that moves in it
 };

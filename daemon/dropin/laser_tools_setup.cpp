@@ -120,6 +120,11 @@ DropinSetup laser_virtualizer_setup(const NodeParameters& parameters) {
                {"virtual_laser_scan", key_value(frames)},
                {"output_laser_topic", reader.text("output_laser_topic", "")}};
   add_output(reader, virtual_keys(), entry, setup.warnings);
+  if (parameters.count("min_height") + parameters.count("max_height") == 0)
+    setup.warnings.emplace_back(
+        "returns within 0.1 m of a plane are its scan (min_height, max_height); laserscan_virtualizer "
+        "projects "
+        "all returns, whatever their height");
   setup.keys = {{"vehicle", KeyMap{{"base_frame", base}}},
                 {"sensors", std::move(sensors)},
                 {"virtual_scans", KeyMap{{"virtual_laser_scan", std::move(entry)}}}};

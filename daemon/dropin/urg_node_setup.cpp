@@ -14,7 +14,9 @@ DropinSetup urg_node_setup(const NodeParameters& parameters) {
   std::string prefix = reader.text("tf_prefix", "");
   while (!prefix.empty() && prefix.front() == '/') prefix.erase(0, 1);
   const std::string frame = reader.text("frame_id", reader.text("laser_frame_id", "laser"));
-  sensor.emplace_back("frame_id", as_frame(prefix.empty() ? frame : prefix + "/" + frame));
+  // As tf::resolve(): a frame with a leading slash has no prefix.
+  const bool is_absolute = prefix.empty() || frame.front() == '/';
+  sensor.emplace_back("frame_id", as_frame(is_absolute ? frame : prefix + "/" + frame));
   for (const char* name : {"angle_min", "angle_max"}) {
     if (const auto value = reader.find(name)) sensor.emplace_back(name, copied(*value));
   }

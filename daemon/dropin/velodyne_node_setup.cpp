@@ -64,13 +64,17 @@ void add_outputs(ParameterReader& reader, const std::string& model, const std::s
   constexpr std::pair<const char*, double> plain[] = {
       {"min_range", 0.9}, {"max_range", 130}, {"view_direction", 0}};
   for (const auto& [name, preset] : plain) sensor.emplace_back(name, reader.number(name, preset));
-  sensor.emplace_back("view_width", std::min(reader.number("view_width", two_pi), two_pi));
+  // As in the original, 0 is the whole turn, and a ring beyond the last one is the default.
+  const double view = reader.number("view_width", two_pi);
+  sensor.emplace_back("view_width", view > 0 ? std::min(view, two_pi) : two_pi);
   sensor.emplace_back("organize_cloud", reader.flag("organize_cloud") ? "firings" : "false");
   const bool has_table = model.find("hdl64e") == std::string::npos;
   if (!calibration.empty()) sensor.emplace_back("calibration", calibration);
   if (!calibration.empty() || has_table) sensor.emplace_back("calibration_model", "ros_drivers");
   const double ring = reader.number("laserscan_ring", reader.number("ring", -1));
-  sensor.emplace_back("scan_ring", ring < 0 ? KeyValue(std::string("auto")) : KeyValue(ring));
+  const auto rings = static_cast<double>(find_model(model)->beams);
+  sensor.emplace_back("scan_ring",
+                      ring < 0 || ring >= rings ? KeyValue(std::string("auto")) : KeyValue(ring));
   sensor.emplace_back("scan_resolution",
                       reader.number("laserscan_resolution", reader.number("resolution", 0.007)));
   sensor.emplace_back("points_topic", "velodyne_points");

@@ -51,9 +51,11 @@ std::vector<fs::path> captures_in(const fs::path& folder, const char* extension 
 
 fs::path events_beside(fs::path capture) { return capture.replace_extension(".events.json"); }
 
-/// Removes the oldest captures except `kept` until `files` remain.
-void make_room(const fs::path& folder, std::size_t files, const std::vector<std::string>& kept) {
-  const auto captures = captures_in(folder);
+/// Removes the oldest captures except `kept` until `files` remain. Those with a later name than the newest
+/// one are of a clock that was ahead.
+void make_room(const fs::path& newest, std::size_t files, const std::vector<std::string>& kept) {
+  auto captures = captures_in(newest.parent_path());
+  std::rotate(captures.begin(), std::upper_bound(captures.begin(), captures.end(), newest), captures.end());
   std::size_t count = captures.size();
   std::error_code ignored;
   for (const fs::path& capture : captures) {
@@ -120,7 +122,7 @@ struct BlackBox::Writing {
       sync_file(part);
       fs::rename(part, path);
       kept.push_back(path);
-      make_room(path.parent_path(), files, kept);
+      make_room(path, files, kept);
     } catch (const std::exception& error) {
       trouble = error.what();
       std::error_code ignored;

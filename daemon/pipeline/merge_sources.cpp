@@ -26,7 +26,11 @@ MergeSources::MergeSources(Settings settings, const OutputContext& context)
       scheduler_(settings_.names.size(), settings_.schedule),
       times_(settings_.names.size()),
       reported_(settings_.names.size(), SourceState::never),
-      outputs_without_(settings_.names.size()) {}
+      outputs_without_(settings_.names.size()) {
+  const ScheduleSettings& schedule = settings_.schedule;
+  if (schedule.policy == Policy::rate)
+    counters.most_silence = std::max(counters.most_silence, 1.5 / schedule.rate);
+}
 
 void MergeSources::delivered(std::size_t source, const SweepTimes& times, double period, Stamp now,
                              bool is_kept) {

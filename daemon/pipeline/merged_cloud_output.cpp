@@ -30,15 +30,15 @@ class MergedCloudOutput final : public Output {
   bool is_wanted() const override { return context_.outlet.wants(topic_) || context_.outlet.feeds(topic_); }
   void add_scan(std::size_t source, const PlanarScan& scan, Stamp now) override {
     // The ring that a lidar publishes as a scan too (scan_ring).
-    if (gives_clouds_[source] != 0) return;
+    if (cloud_at_[source] && now - *cloud_at_[source] < std::chrono::seconds(2)) return;
     add(source, scan, times_of(scan), static_cast<double>(scan.scan_time), now);
   }
   void add_cloud(std::size_t source, const Cloud& cloud, Stamp now) override {
-    gives_clouds_[source] = 1;
+    cloud_at_[source] = now;
     add(source, cloud, times_of(cloud), 0, now);
   }
   void pass_by(std::size_t source, const Cloud& cloud, Stamp now) override {
-    gives_clouds_[source] = 1;
+    cloud_at_[source] = now;
     note_wanted();
     // If it is wanted by now, the next one has points.
     sources_.delivered(source, times_of(cloud), 0, now, !wanted_);
@@ -115,7 +115,8 @@ class MergedCloudOutput final : public Output {
   const OutputTopic& topic_;
   CloudMerger merger_;
   MergeSources sources_;
-  std::vector<char> gives_clouds_ = std::vector<char>(config_.sources.size(), 0);
+  // Arrivals of the sources' newest clouds.
+  std::vector<std::optional<Stamp>> cloud_at_ = std::vector<std::optional<Stamp>>(config_.sources.size());
   MergedCloud merged_;
   std::uint64_t merged_size_ = 0;  // points of the newest one
   bool wanted_ = true;             // when the newest frame came

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/pipeline/output.h"
 
+#include <spdlog/fmt/fmt.h>
+
 #include <algorithm>
 #include <limits>
 #include <stdexcept>
@@ -47,15 +49,17 @@ void set_encoding(const OutputScanConfig& output, PlanarScan& scan) {
 DiagnosticItem health_of(const std::string& name, const OutputCounters& counters, Stamp now, bool starting) {
   DiagnosticItem item{name};
   const double age = seconds(now - counters.last_published);
-  if (starting && counters.no_pose == 0 && (counters.published == 0 || age > 3)) {
+  if (starting && counters.no_pose == 0 && (counters.published == 0 || age > counters.most_silence)) {
     item.message = "waiting for input";
   } else if (counters.published == 0) {
     item.set(Health::error, counters.no_pose > 0 ? "no output: " + counters.why_no_pose
                                                  : "no output: no input has come in yet");
-  } else if (age > 3) {
-    item.set(Health::error, counters.no_pose > 0
-                                ? "no output any more: " + counters.why_no_pose
-                                : "no output for more than 3 s: see the state of its sensors");
+  } else if (age > counters.most_silence) {
+    item.set(Health::error,
+             counters.no_pose > 0
+                 ? "no output any more: " + counters.why_no_pose
+                 : fmt::format("no output for more than {:.0f} s: see the state of its sensors",
+                               counters.most_silence));
   } else {
     item.message = "publishing";
   }

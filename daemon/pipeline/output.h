@@ -139,6 +139,7 @@ struct OutputCounters {
   std::uint64_t no_pose = 0;  ///< inputs not used because the pose of a frame was not known
   std::string why_no_pose;    ///< the newest reason
   Stamp last_published{};
+  double most_silence = 3;  ///< s without an output that are no error
 };
 
 /// The grid of a specification that the configuration has accepted.

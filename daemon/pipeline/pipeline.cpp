@@ -81,7 +81,14 @@ Sensor& Pipeline::sensor_at(std::size_t place) const {
 
 /// nullptr: nobody's, or of no interest.
 Sensor* Pipeline::owner_of(const Packet& packet) {
-  if (Sensor* const* owner = flows_.find(packet)) return *owner;
+  if (Sensor* const* owner = flows_.find(packet)) {
+    const SensorConfig& config = (*owner)->config();
+    if (config.ip_address || packet.to.port != config.telemetry_port) return *owner;
+    // Sensors without ip_address may share a telemetry port: it is whose data come from the same sender.
+    const auto sends = [&](const auto& sensor) { return sensor->sends_telemetry(packet); };
+    const auto sender = std::find_if(sensors_.begin(), sensors_.end(), sends);
+    return sender != sensors_.end() ? sender->get() : *owner;
+  }
   // What is sent to a device is of no interest.
   const bool to_device = packet.transport == Transport::tcp && flows_.find_receiver(packet) != nullptr;
   const bool port_is_ours = packet.transport == Transport::udp || tcp_ports_.count(packet.from.port) > 0;

@@ -30,7 +30,7 @@ class MessageReceiver {
   /// poses.
   virtual void turn_message(Stamp stamp, const Eigen::Vector3d& rates, const std::string& frame,
                             Stamp received) = 0;
-  virtual void speed_message(double speed) = 0;
+  virtual void speed_message(double speed, Stamp received) = 0;
   /// Gives a merged scan or a group of virtual scans another grid, profile or encoding from its next input
   /// on. Empty, or why it cannot be: then nothing changes.
   virtual std::string set_output(const OutputId& output, const OutputScanConfig& wanted) = 0;
@@ -99,7 +99,7 @@ class Pipeline final : public MessageReceiver {
   void pose_message(Stamp stamp, const Pose& pose, const std::string& child, Stamp received) override;
   void turn_message(Stamp stamp, const Eigen::Vector3d& rates, const std::string& frame,
                     Stamp received) override;
-  void speed_message(double speed) override { motion_.add_speed(speed); }
+  void speed_message(double speed, Stamp received) override { motion_.add_speed(speed, received); }
   std::string set_output(const OutputId& output, const OutputScanConfig& wanted) override;
   std::string set_sensor(const SensorConfig& wanted) override;
 

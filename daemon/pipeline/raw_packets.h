@@ -21,6 +21,12 @@ class RawPacketCollector {
 
   /// Adds a datagram, unless its size is not that of a data packet.
   void add(const Packet& packet);
+  /// True if the packet does not belong to the revolution of those before.
+  bool is_broken_off_by(const Packet& packet) {
+    constexpr Span longest_pause = std::chrono::seconds(1);
+    return !is_empty() &&
+           std::chrono::abs(packet.arrival - first_ - message_->arrivals.back()) > longest_pause;
+  }
   /// True if the packets must be published before the end of the revolution: the motor may stand still.
   bool is_full() { return message_->arrivals.size() >= most_packets; }
   bool is_empty() { return message_->arrivals.empty(); }

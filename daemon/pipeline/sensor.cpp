@@ -68,12 +68,16 @@ void Sensor::receive(const Packet& packet, Stamp received) {
   watch_.advance(received, counters());
   const bool datagram = packet.transport == Transport::udp;
   if (datagram) sender_ = packet.from.address;
-  if (raw_topic_ != nullptr) raw_.add(packet);
+  if (raw_topic_ != nullptr) {
+    if (raw_.is_broken_off_by(packet)) publish_raw();
+    raw_.add(packet);
+  }
   const Verdict verdict = driver_->receive(packet, *this);
   if (raw_.is_full()) publish_raw();
   if (verdict.reject != Reject::none && datagram) other_model_.refused(packet, verdict.reject);
   if (packet.transport == config_.model->transport) {
     if (verdict.has_data) {
+      data_sender_ = packet.from.address;
       notice_data(received);
       if (datagram && !config_.ip_address && config_.packet_topic.empty()) watch_.sender(sender_);
     } else if (datagram) {

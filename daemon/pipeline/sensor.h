@@ -69,6 +69,11 @@ class Sensor final : public DriverOutput {
   /// Applies settings that may change at run time: those of Driver::change(), and the layout of the cloud.
   void change(const SensorConfig& wanted);
 
+  /// True for telemetry from where the data of this sensor come from, which has no ip_address.
+  bool sends_telemetry(const Packet& packet) const {
+    return !config_.ip_address && packet.to.port == config_.telemetry_port &&
+           packet.from.address == data_sender_;
+  }
   /// Accepts a packet of this sensor or a chunk of its connection.
   void receive(const Packet& packet, Stamp received);
   /// Accepts a chunk of one of its connections in a capture; one connection at a time is used.
@@ -154,8 +159,9 @@ class Sensor final : public DriverOutput {
   std::vector<const OutputTopic*> device_topics_;     // of messages of the driver, by name
   ConnectionPicker connection_;                       // in a capture
   ConnectionRequest request_ = ConnectionRequest::none;
-  IpAddress sender_;   // of the last datagram
-  bool seen_ = false;  // data was received (not telemetry)
+  IpAddress sender_;       // of the last datagram
+  IpAddress data_sender_;  // of the last one with data
+  bool seen_ = false;      // data was received (not telemetry)
   Stamp last_arrival_{};
   Stamp last_telemetry_{};
   Health silence_ = Health::ok;

@@ -4,6 +4,8 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <cmath>
+
 namespace lidard {
 namespace {
 
@@ -44,7 +46,17 @@ void VehicleMotion::add_pose(Stamp stamp, const Pose& pose, const std::string& c
   note_poses(now);
 }
 
+void VehicleMotion::add_speed(double speed, Stamp now) {
+  reckoning_.speed(speed);
+  speed_at_ = now;
+}
+
 void VehicleMotion::add_turn(Stamp stamp, const Eigen::Vector3d& rates, const std::string& frame, Stamp now) {
+  if (!speed_at_ || std::abs(seconds(now - *speed_at_)) > longest_lag_s) {
+    ++without_speed_;
+    why_refused_ = "no speed comes on " + vehicle_.speed_topic;
+    return;
+  }
   if (const auto base_from_imu = place(vehicle_.base_frame, frame, stamp))
     reckoning_.turn(stamp, base_from_imu->linear() * rates, track_);
   note_poses(now);
@@ -84,11 +96,12 @@ std::optional<DiagnosticItem> VehicleMotion::diagnostics(Stamp now) const {
   DiagnosticItem item{"motion"};
   const std::string what = trouble(now);
   item.set(what.empty() ? Health::ok : Health::warn, what.empty() ? "poses come in" : what);
-  if (!what.empty() && refused_ > 0) item.message += ": " + why_refused_;
+  if (!what.empty() && !why_refused_.empty()) item.message += ": " + why_refused_;
   item.values = {{"Knots", std::to_string(track_.size())},
                  {"Jumps back", std::to_string(track_.restarts())},
                  {"Not rigid", std::to_string(track_.not_rigid())},
                  {"Frame not known", std::to_string(refused_)}};
+  if (!vehicle_.speed_topic.empty()) item.add("Turn rates without speed", without_speed_);
   if (!track_.empty() && data_)
     item.add("Scans ahead of poses (s)", std::to_string(seconds(data_->stamp - track_.newest())));
   item.add("Out of order", track_.out_of_order() + reckoning_.refused());

@@ -27,14 +27,17 @@ class VehicleMotion {
   void poll(Stamp now);
   /// Adds a pose of `child` (empty: base_frame) in the odometry's frame.
   void add_pose(Stamp stamp, const Pose& pose, const std::string& child, Stamp now);
-  /// Adds turn rates in `frame` (empty: base_frame), rad/s.
+  /// Adds turn rates in `frame` (empty: base_frame), rad/s; without a recent speed they are no pose.
   void add_turn(Stamp stamp, const Eigen::Vector3d& rates, const std::string& frame, Stamp now);
   /// Sets the speed, m/s along x of base_frame.
-  void add_speed(double speed) { reckoning_.speed(speed); }
+  void add_speed(double speed, Stamp now);
   /// Reports data of a sensor measured at `stamp`.
   void note_data(Stamp stamp, Stamp now) { data_ = Newest{stamp, now}; }
   /// The input starts again.
-  void restart() { track_.clear(); }
+  void restart() {
+    track_.clear();
+    speed_at_.reset();
+  }
   const FrameTree& frames() const { return frames_; }
   const std::string& base_frame() const { return vehicle_.base_frame; }
   /// The item on poses; none: there is no source of motion.
@@ -57,8 +60,10 @@ class VehicleMotion {
   DeadReckoning reckoning_;
   std::vector<StampedPose> new_poses_;
   Stamp last_poll_{};
+  std::optional<Stamp> speed_at_;  // arrival of the newest speed
   std::optional<Newest> data_, pose_;
-  std::uint64_t refused_ = 0;  // poses of frames with unknown place on the vehicle
+  std::uint64_t refused_ = 0;        // poses of frames with unknown place on the vehicle
+  std::uint64_t without_speed_ = 0;  // turn rates
   std::string why_refused_;
 };
 

@@ -132,17 +132,19 @@ class MergedCapture {
   File* given_ = nullptr;  // whose packet the caller holds
 };
 
-/// Picks the chunks of the newest of a device's connections. A capture may hold several (a configuration tool
-/// beside the driver, or one after the other), whose telegrams must not be mixed.
+/// Picks the chunks of the newest of a device's connections that is not silent. A capture may hold several (a
+/// configuration tool beside the driver, or one after the other), whose telegrams must not be mixed.
 class ConnectionPicker {
  public:
   /// True if the chunk, which the device sent, is of the connection that counts; the first one of a
   /// connection is marked as the start of its stream.
   bool pick(Packet& packet) {
-    if (peer_ && *peer_ == packet.to) return true;
-    if (peer_ && !packet.stream_start) return false;
+    const bool goes_on = peer_ && *peer_ == packet.to;
+    const bool is_silent = packet.arrival - last_ > std::chrono::seconds(1);
+    if (peer_ && !goes_on && !packet.stream_start && !is_silent) return false;
+    packet.stream_start = packet.stream_start || !goes_on;
     peer_ = packet.to;
-    packet.stream_start = true;
+    last_ = packet.arrival;
     return true;
   }
   /// The capture starts again.
@@ -150,6 +152,7 @@ class ConnectionPicker {
 
  private:
   std::optional<Endpoint> peer_;
+  Stamp last_{};  // of the connection that counts
 };
 
 }  // namespace lidard

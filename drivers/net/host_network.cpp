@@ -119,6 +119,7 @@ std::map<IpAddress, std::string> read_neighbours() {
 
 bool has_route_to(const IpAddress& address) {
   const FileDescriptor fd(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+  if (fd.get() < 0) return true;  // not known: the host is out of descriptors
   sockaddr_in to{};
   to.sin_family = AF_INET;
   to.sin_port = htons(9);  // connect(2) of a datagram socket sends nothing

@@ -93,7 +93,7 @@ class VelodyneRecognizer final : public Recognizer {
     if (!family_->has_status()) return rows;
     // Every HDL-64E has both periods; prefer the first row whose usual period fits.
     const auto usual = std::find_if(rows.begin(), rows.end(), [&](const ModelRow* each) {
-      return is_within_percent(median_period(), each->packet_period(each->timings.front(), echoes()), 3);
+      return is_within_percent(packet_period(), each->packet_period(each->timings.front(), echoes()), 3);
     });
     if (usual != rows.end()) std::rotate(rows.begin(), usual, usual + 1);
     return rows;
@@ -110,7 +110,7 @@ class VelodyneRecognizer final : public Recognizer {
 
   bool fits_period(const ModelRow& model) const {
     if (model.banks != family_->banks) return false;
-    const Span period = median_period();
+    const Span period = packet_period();
     return std::any_of(model.timings.begin(), model.timings.end(), [&](const Timing& timing) {
       return is_within_percent(period, model.packet_period(timing, echoes()), 3);
     });
@@ -119,7 +119,7 @@ class VelodyneRecognizer final : public Recognizer {
   /// The product byte names a model and the period, if known, is that model's.
   bool is_byte_right() const {
     const ModelRow* named = by_product();
-    return median_period() == Span(0) || (named != nullptr && fits_period(*named));
+    return packet_period() == Span(0) || (named != nullptr && fits_period(*named));
   }
 
   /// True if an HDL-64E with pairs of blocks may be of that generation, by the status bytes, else by the
@@ -140,14 +140,15 @@ class VelodyneRecognizer final : public Recognizer {
     last_type_ = type;
   }
 
-  /// The median step between stamps; 0 while fewer than four packets were seen.
-  Span median_period() const {
+  /// The usual step between stamps of packets of which none in between is missing; 0 while fewer than four
+  /// packets were seen.
+  Span packet_period() const {
     constexpr std::size_t enough = 3;
     if (step_count_ < enough) return Span(0);
     auto sorted = steps_;
-    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(step_count_ / 2);
-    std::nth_element(sorted.begin(), middle, sorted.begin() + static_cast<std::ptrdiff_t>(step_count_));
-    return Span(*middle);
+    const auto low = sorted.begin() + static_cast<std::ptrdiff_t>(step_count_ / 10);
+    std::nth_element(sorted.begin(), low, sorted.begin() + static_cast<std::ptrdiff_t>(step_count_));
+    return Span(*low);
   }
 
   std::uint64_t packets_ = 0;

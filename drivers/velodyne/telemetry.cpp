@@ -175,9 +175,10 @@ void TelemetryReceiver::restart() {
   nmea_ = {};
 }
 
-Reject TelemetryReceiver::receive(ByteView payload, Stamp arrival, DriverOutput& out, DeviceInfo& info) {
-  const auto telemetry = read_telemetry(payload);
+Reject TelemetryReceiver::receive(const Packet& packet, DriverOutput& out, DeviceInfo& info) {
+  const auto telemetry = read_telemetry(packet.payload);
   if (!telemetry) return Reject::size;
+  const Stamp arrival = packet.arrival;
   advance_clock(telemetry->toh_us, arrival);
   const bool fresh = store_sentence(telemetry->nmea);
   if (fresh) {
@@ -191,7 +192,7 @@ Reject TelemetryReceiver::receive(ByteView payload, Stamp arrival, DriverOutput&
   if (fresh) send_sentence(out, sentences_ > 1);
   if (has_imu_ && telemetry->imu) send_imu(*telemetry->imu, out);
   const Span since = arrival - last_described_;
-  if (changed || since >= describe_period || since < Span(0)) describe(*telemetry, arrival, info);
+  if (changed || since >= describe_period || since < Span(0)) describe(*telemetry, packet, info);
   return Reject::none;
 }
 
@@ -290,12 +291,15 @@ void TelemetryReceiver::set_claim(ClockClaim claim, DeviceInfo& info) {
   if (claim == ClockClaim::silent) info.set("Sensor clock", text_of(claim).state);
 }
 
-void TelemetryReceiver::describe(const Telemetry& telemetry, Stamp arrival, DeviceInfo& info) {
+void TelemetryReceiver::describe(const Telemetry& telemetry, const Packet& packet, DeviceInfo& info) {
+  const Stamp arrival = packet.arrival;
   last_described_ = arrival;
+  // Live arrivals leave out the steps of the host's clock.
+  const Span host(packet.received.ns != 0 ? packet.received.ns : arrival.ns);
   described_pps_ = telemetry.pps;
   info.set("PPS", text_of_pps(telemetry.pps));
   info.set("Sensor clock", text_of(claim_).state);
-  set(info, "Clock difference to host (s)", "%.3f", seconds(hour_difference(arrival - Stamp{}, toh_)));
+  set(info, "Clock difference to host (s)", "%.3f", seconds(hour_difference(host, toh_)));
   info.set("NMEA", text_of(nmea_));
   if (nmea_.verdict != NmeaVerdict::absent)
     set(info, "NMEA age (s)", "%.1f", seconds(arrival - sentence_arrival_));

@@ -89,7 +89,7 @@ class TelemetryReceiver {
 
   /// Parses a packet; Reject::size unless it has telemetry_size bytes. Updates `info` on changes and once per
   /// second.
-  Reject receive(ByteView payload, Stamp arrival, DriverOutput& out, DeviceInfo& info);
+  Reject receive(const Packet& packet, DriverOutput& out, DeviceInfo& info);
   /// Advances the time: an old packet expires.
   void tick(Stamp now, DeviceInfo& info);
   /// DriverConfig::time_offset, from the next packet on.
@@ -106,7 +106,7 @@ class TelemetryReceiver {
   ClockClaim judge(const Telemetry& telemetry) const;
   void send_sentence(DriverOutput& out, bool age_known);
   void send_imu(const RawImu& raw, DriverOutput& out);
-  void describe(const Telemetry& telemetry, Stamp arrival, DeviceInfo& info);
+  void describe(const Telemetry& telemetry, const Packet& packet, DeviceInfo& info);
   void set_claim(ClockClaim claim, DeviceInfo& info);
   void judge_expectation(Stamp now, DeviceInfo& info);
   Stamp host_time(Span device) const { return clock_.to_host(device) + time_offset_; }

@@ -51,7 +51,7 @@ class VelodyneDriver final : public DriverBase {
     }
     if (packet.payload.size() == position_packet_size) {
       ++counters_.other_packets;
-      return {false, telemetry_.receive(packet.payload, packet.arrival, out, info_)};
+      return {false, telemetry_.receive(packet, out, info_)};
     }
     incoming_.index = static_cast<std::uint32_t>(counters_.packets++);
     counters_.bytes += packet.payload.size();
@@ -142,14 +142,12 @@ class VelodyneDriver final : public DriverBase {
     } else if (in_stream_) {
       const NextPacket next{time - last_time_};
       measure_turn(packet.view().azimuth(0) * 0.01, next.step);
-      if (pending_) {
-        const std::size_t echoes = waiting_.layout->echoes;
-        timing_.add(next.step, row_.sequences_per_packet(echoes));
-      }
+      timing_.add(next.step, row_.sequences_per_packet(last_echoes_));
       decode_pending(next, out);
     }
     in_stream_ = true;
     last_time_ = time;
+    last_echoes_ = packet.layout->echoes;
     last_azimuth_deg_ = packet.view().azimuth(0) * 0.01;
     if (row_.random_rest || packet.azimuths.hidden_total_deg > 0 || !timing_.decided()) {
       waiting_ = packet;
@@ -298,6 +296,7 @@ class VelodyneDriver final : public DriverBase {
   bool pending_ = false;
   bool in_stream_ = false;
   Span last_time_{0};
+  std::size_t last_echoes_ = 1;
   std::uint64_t known_steps_ = 0;  // of the sensor's clock
   double last_azimuth_deg_ = 0;
   double turned_deg_ = 0, turned_s_ = 0;

@@ -73,9 +73,9 @@ bool any_sees(const MergeScene& scene, const Eigen::Vector2d& point) {
 /// True if the way along `angle` from the vehicle to `truth` is seen but for short pieces, and the end too.
 bool is_observable(const MergeScene& scene, double angle, double truth) {
   const Eigen::Vector2d ray(std::cos(angle), std::sin(angle));
-  const auto body = scene.body.crossing({0, 0}, ray);
+  const auto body = scene.body.crossings({0, 0}, ray);
   const double end = std::min(truth, merge_range_max);
-  double known = body ? body->out : 0;
+  double known = body.empty() ? 0 : body.back().out;
   for (double r = known; r < end - 0.02; r += sample_step) {
     if (any_sees(scene, r * ray))
       known = r;

@@ -169,6 +169,7 @@ void RosInputs::subscribe(const std::shared_ptr<Source>& source, const std::stri
           const auto cloud = std::make_shared<Cloud>();
           const CloudReading reading = from_ros(*message, *cloud, *clock);
           if (reading.error == nullptr) report.points_dropped += reading.dropped;
+          if (reading.error == nullptr && cloud->end == cloud->stamp) ++report.without_times;
           task = [=](auto& to, Stamp received) { to.cloud_message(sensor, *cloud, received); };
           return reading.error;
         });
@@ -214,6 +215,7 @@ std::vector<DiagnosticItem> RosInputs::diagnostics() {
                    {"Rejected", std::to_string(r.rejected)},
                    {"Dropped", std::to_string(r.dropped)},
                    {"Points not finite", std::to_string(r.points_dropped)},
+                   {"Clouds without times", std::to_string(r.without_times)},
                    {"Intensities ignored", std::to_string(r.intensities_ignored)}};
     items.push_back(std::move(item));
   }

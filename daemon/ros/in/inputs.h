@@ -36,6 +36,7 @@ struct TopicReport : TopicSource {
   std::uint64_t rejected = 0;             ///< unusable messages
   std::uint64_t dropped = 0;              ///< messages dropped because the sensor thread was behind
   std::uint64_t points_dropped = 0;       ///< points whose coordinates are not finite
+  std::uint64_t without_times = 0;        ///< clouds that count as measured at one instant
   std::uint64_t intensities_ignored = 0;  ///< scans whose intensities are not as many as their ranges
   std::string last_reason;                ///< why the last unusable one was not used
   std::chrono::steady_clock::time_point rejected_at{};  ///< when that was

@@ -33,7 +33,7 @@ class RosMotion final : public RosComponent {
                  auto& to, Stamp received) { to.turn_message(stamp, rates, frame, received); };
     });
     listen<geometry_msgs::TwistStamped>(ros, speed, [](const auto& m) {
-      return [ahead = m.twist.linear.x](auto& to, Stamp) { to.speed_message(ahead); };
+      return [ahead = m.twist.linear.x](auto& to, Stamp received) { to.speed_message(ahead, received); };
     });
   }
 

@@ -62,6 +62,14 @@ bool BufferPoses::lookup(const std::string& parent, const std::string& child, St
   return true;
 }
 
+bool BufferPoses::is_before_step(const ros::Time& newest) {
+  const std::lock_guard lock(mutex_);
+  const HostStamp step = clock_->host(Stamp{});
+  if (step_ && !(*step_ == step)) before_step_ = newest;
+  step_ = step;
+  return before_step_ == newest;
+}
+
 void BufferPoses::history(const std::string& parent, const std::string& child, Stamp after, Stamp until,
                           std::vector<StampedPose>& poses) {
   const std::string to = ros_frame(parent);
@@ -74,8 +82,9 @@ void BufferPoses::history(const std::string& parent, const std::string& child, S
   };
   try {
     if (!buffer_.canTransform(to, from, ros::Time(0))) return;
-    const Stamp newest =
-        clock_->steady(from_ros(buffer_.lookupTransform(to, from, ros::Time(0)).header.stamp));
+    const ros::Time header = buffer_.lookupTransform(to, from, ros::Time(0)).header.stamp;
+    if (is_before_step(header)) return;
+    const Stamp newest = clock_->steady(from_ros(header));
     const Stamp last = std::min(newest, until);
     if (last >= after && last - after < shortest_step) return;
     // A track that is far ahead belongs to an input that has started again.

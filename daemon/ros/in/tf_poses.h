@@ -6,6 +6,8 @@
 
 #include <atomic>
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,6 +32,14 @@ class BufferPoses : public TransformSource {
 
   tf2::BufferCore buffer_;
   const SharedClockStep clock_;
+
+ private:
+  /// True if the buffer, whose newest transform is of `newest`, is older than the host clock's last step.
+  bool is_before_step(const ros::Time& newest);
+
+  std::mutex mutex_;               // for all below
+  std::optional<HostStamp> step_;  // the host's time of Stamp(), which shows steps
+  std::optional<ros::Time> before_step_;
 };
 
 /// Poses from tf. Listens while ROS runs; lookups never wait.

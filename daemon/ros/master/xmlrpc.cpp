@@ -6,10 +6,12 @@
 #include <xmlrpcpp/XmlRpcClient.h>
 #include <xmlrpcpp/XmlRpcUtil.h>
 
+#include <atomic>
 #include <charconv>
 #include <chrono>
 #include <future>
 #include <memory>
+#include <system_error>
 #include <thread>
 
 namespace lidard {
@@ -62,10 +64,22 @@ std::optional<XmlRpcServer> parse_server_uri(const std::string& uri) {
 std::vector<std::string> resolve(const std::string& host, Span limit) {
   // A literal address needs no name server.
   if (auto literal = addresses_of(host, AI_NUMERICHOST); !literal.empty()) return literal;
-  // Resolving cannot be interrupted: a thread that hangs there is left behind.
+  // Resolving cannot be interrupted: a thread that hangs there is left behind, but not more than a few.
+  constexpr int most_waiting = 16;
+  static std::atomic<int> waiting_threads{0};
+  if (waiting_threads >= most_waiting) return {};
+  ++waiting_threads;
   const auto answer = std::make_shared<std::promise<std::vector<std::string>>>();
   auto waiting = answer->get_future();
-  std::thread([host, answer] { answer->set_value(addresses_of(host, 0)); }).detach();
+  try {
+    std::thread([host, answer] {
+      answer->set_value(addresses_of(host, 0));
+      --waiting_threads;
+    }).detach();
+  } catch (const std::system_error&) {  // too many threads
+    --waiting_threads;
+    return {};
+  }
   if (waiting.wait_for(limit) != std::future_status::ready) return {};
   return waiting.get();
 }
@@ -83,10 +97,9 @@ std::optional<XmlRpc::XmlRpcValue> xmlrpc_call(const XmlRpcServer& server, const
     XmlRpc::XmlRpcValue value;
     const bool done = client.executeCheckDone(value);
     if (done && value.valid() && !client.isFault()) return value;
-    error = client.isFault()      ? "the answer is a fault"
-            : done                ? "the answer is not XML-RPC"
-            : Clock::now() >= end ? "no answer in time"
-                                  : "nobody answers there";
+    error = client.isFault()               ? "the answer is a fault"
+            : !done && Clock::now() >= end ? "no answer in time"
+                                           : "nobody answers there in XML-RPC";
   }
   return std::nullopt;
 }

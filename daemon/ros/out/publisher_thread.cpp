@@ -167,8 +167,6 @@ PublisherThread::Output& PublisherThread::add_output(const std::string& topic,
 
 void PublisherThread::set_topics(Worker worker, const std::vector<OutputTopic>& topics) {
   const std::lock_guard lock(mutex_);
-  for (Output& output : outputs_)
-    if (output.worker == worker && &output != &tf_ && &output != &clock_) output.wanted = false;
   auto& outputs = outputs_of_topics_[static_cast<std::size_t>(worker)];
   outputs.assign(topics.size(), nullptr);
   for (const OutputTopic& topic : topics) {
@@ -182,8 +180,12 @@ void PublisherThread::set_topics(Worker worker, const std::vector<OutputTopic>& 
     Output& output =
         known != outputs_.end() ? *known : add_output(topic.name, std::move(maker), row.queue_depth);
     output.worker = worker;
-    output.wanted = true;
     outputs.at(topic.id) = &output;
+  }
+  // Set once, since advertise() may run at the same time.
+  for (Output& output : outputs_) {
+    if (output.worker == worker && &output != &tf_ && &output != &clock_)
+      output.wanted = std::find(outputs.begin(), outputs.end(), &output) != outputs.end();
   }
 }
 

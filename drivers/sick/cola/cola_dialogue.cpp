@@ -54,7 +54,8 @@ std::string changes(const ColaOutputs& before, const ColaOutputs& now) {
     text += (text.empty() ? "" : ", ") + std::string(what) + " " + was + " -> " + is;
   };
   const auto intensity = [](const ColaOutputs& s) {
-    return std::string(s.contents[ColaOutputs::intensity] != 0 ? "on" : "off");
+    return std::string((s.contents[ColaOutputs::intensity] & ColaOutputs::with_intensity) != 0 ? "on"
+                                                                                               : "off");
   };
   append("echoes", echoes_of(before), echoes_of(now));
   append("intensity", intensity(before), intensity(now));
@@ -250,7 +251,7 @@ void ColaDialogue::read_settings() {
     return;
   }
   settings_ = read;
-  const bool intensities = read.contents[ColaOutputs::intensity] != 0;
+  const bool intensities = (read.contents[ColaOutputs::intensity] & ColaOutputs::with_intensity) != 0;
   detail("Echoes sent", echoes_of(read));
   detail("Intensities sent", !intensities                                      ? "no"
                              : read.contents[ColaOutputs::wide_intensity] == 0 ? "8 bits"
@@ -262,13 +263,13 @@ void ColaDialogue::read_settings() {
 /// Compares the configuration with the device's settings.
 void ColaDialogue::compare_settings() {
   ColaOutputs wanted = *settings_;
-  constexpr std::uint8_t all_echoes = 0x1f;  // SICK 8014631: bits of DIST1 to DIST5
   if (config_.requests.skip) wanted.interval = static_cast<std::uint16_t>(*config_.requests.skip + 1);
   if (config_.publish_multiecho && config_.model->has(Trait::echoes))
-    wanted.contents[ColaOutputs::echoes] = all_echoes;
+    wanted.contents[ColaOutputs::echoes] = row_.echoes;
   const bool differs = !(wanted == *settings_);
   // Intensities are requested only if writing is allowed, since publish_intensity is the default.
-  if (config_.publish_intensity && config_.requests.allow_write) wanted.contents[ColaOutputs::intensity] = 1;
+  if (config_.publish_intensity && config_.requests.allow_write)
+    wanted.contents[ColaOutputs::intensity] |= ColaOutputs::with_intensity;
   if (config_.requests.allow_write) {
     if (!(wanted == *settings_)) wanted_ = wanted;
   } else if (differs) {

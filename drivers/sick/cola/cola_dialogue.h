@@ -24,6 +24,8 @@ struct ColaOutputs {
   std::uint16_t interval = 1;  ///< every n-th scan
 
   static constexpr std::size_t echoes = 0, intensity = 2, wide_intensity = 3;
+  /// Bit of `intensity`; the others switch angles (2) and quality (4) on (SICK 8027168, LMS4000, p. 88).
+  static constexpr std::uint8_t with_intensity = 1;
 
   friend bool operator==(const ColaOutputs& a, const ColaOutputs& b) {
     return a.contents == b.contents && a.interval == b.interval;
@@ -36,7 +38,7 @@ struct ColaOutputs {
 class ColaDialogue final : public Dialogue {
  public:
   ColaDialogue(const DriverConfig& config, const ColaRow& row)
-      : config_(config), session_(ColaDialect::b, config.requests, row.login, row.password) {}
+      : config_(config), row_(row), session_(ColaDialect::b, config.requests, row.login, row.password) {}
 
   void connected(Stamp now, DriverOutput& out);
   void disconnected();
@@ -73,6 +75,7 @@ class ColaDialogue final : public Dialogue {
   void change_dialect();
 
   const DriverConfig config_;
+  const ColaRow& row_;
   SopasSession session_;
   bool dialect_known_ = false;
   bool answered_ = false;  // in this connection

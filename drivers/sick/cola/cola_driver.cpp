@@ -97,9 +97,10 @@ class ColaStates {
   }
 
   Stamp stamp_of(const std::optional<std::uint32_t>& time_us, Stamp arrival, const ColaClock& clock) const {
-    // The pins of some devices have no stamp, and a new subscription begins with old times.
+    // The pins of some devices have no stamp, and a new subscription begins with old times, perhaps of before
+    // the counter's overflow.
     const bool use = time_us && clock.ready();
-    return (use ? clock.to_host(clock.near_last(*time_us)) : arrival) + time_offset_;
+    return (use ? std::min(clock.to_host(clock.near_last(*time_us)), arrival) : arrival) + time_offset_;
   }
 
   Reject read_fields(const ColaTelegram& telegram, Stamp arrival, const ColaClock& clock, DriverOutput& out) {
@@ -259,10 +260,8 @@ class ColaDriver final : public DriverBase {
     if (device_known_ && before != scan_.serial) {
       clock_.reset();
       counting_ = false;
-      board_.update(Warning::other_device, true, [&] {
-        return "scanner " + std::to_string(before) + " was replaced by scanner " +
-               std::to_string(scan_.serial) + "; check its pose and its fields";
-      });
+      board_.set(Warning::other_device, "scanner " + std::to_string(before) + " was replaced by scanner " +
+                                            std::to_string(scan_.serial) + "; check its pose and its fields");
     }
     device_known_ = true;
     serial_ = scan_.serial;
@@ -298,7 +297,7 @@ class ColaDriver final : public DriverBase {
     });
     if (!good) return Reject::field;
     if (has_geometry_ && now == geometry_) return Reject::none;
-    if (has_geometry_) {
+    if (has_geometry_ && !now.is_interlaced_with(geometry_)) {
       board_.set(Warning::geometry,
                  "the scanner changed from " + describe(geometry_) + " to " + describe(now) +
                      "; restart whatever expects the former, or undo the change in SOPAS ET");
@@ -313,8 +312,12 @@ class ColaDriver final : public DriverBase {
     return Reject::none;
   }
 
+  /// A stamp is not that of the last beam where half a turn and more passes before the transmission: an
+  /// LMS151 at 25 Hz sends 45 ms after it.
   Span first_of_telegram(Span start) const {
-    return row_.stamp == ColaStamp::last_beam ? start - geometry_.sweep() : start;
+    const Span turn = span_from_seconds(geometry_.beam_period * 360 / geometry_.step_deg);
+    const bool is_late = clock_.shortest_way() && *clock_.shortest_way() > turn / 2;
+    return row_.stamp == ColaStamp::last_beam && !is_late ? start - geometry_.sweep() : start;
   }
 
   void publish(Span first, DriverOutput& out) {

@@ -51,6 +51,12 @@ Span ColaGeometry::sweep() const {
   return span_from_seconds(beam_period * static_cast<double>(beams == 0 ? 0 : beams - 1));
 }
 
+bool ColaGeometry::is_interlaced_with(const ColaGeometry& other) const {
+  ColaGeometry same = other;
+  same.start_deg = start_deg;
+  return same == *this && std::abs(start_deg - other.start_deg) < step_deg;
+}
+
 bool operator==(const ColaGeometry& a, const ColaGeometry& b) {
   return a.beams == b.beams && a.echoes == b.echoes && a.start_deg == b.start_deg &&
          a.step_deg == b.step_deg && a.scan_hz == b.scan_hz && a.beam_period == b.beam_period;
@@ -81,9 +87,9 @@ std::string describe(const ColaGeometry& g) {
                  g.scan_hz);
 }
 
-BeamStatus status_of_raw(std::uint16_t raw) {
+BeamStatus status_of_raw(std::uint16_t raw, const ColaRow& row) {
   if (raw >= first_distance) return BeamStatus::hit;
-  return raw == 0 ? BeamStatus::none : BeamStatus::invalid;
+  return raw == 0 && !row.zero_is_unknown ? BeamStatus::none : BeamStatus::invalid;
 }
 
 ColaScanBuilder::ColaScanBuilder(const DriverConfig& config, const ColaRow& row)
@@ -107,7 +113,7 @@ bool ColaScanBuilder::choose(const ColaGeometry& geometry) {
 }
 
 PlanarScan& ColaScanBuilder::fill(const ColaScan& telegram) {
-  const ColaChannel* rssi = telegram.channel("RSSI1");
+  const ColaChannel* rssi = telegram.intensity(0);
   scan_.reset(scan_.beams, echoes_, config_.publish_intensity && rssi != nullptr);
   for (std::size_t echo = 0; echo < echoes_; ++echo) fill_echo(telegram, echo);
   return scan_;
@@ -115,14 +121,14 @@ PlanarScan& ColaScanBuilder::fill(const ColaScan& telegram) {
 
 void ColaScanBuilder::fill_echo(const ColaScan& telegram, std::size_t echo) {
   const ColaChannel& distance = *telegram.channel(distance_names[echo]);
-  const ColaChannel* rssi = scan_.intensities.empty() ? nullptr : telegram.channel(intensity_names[echo]);
+  const ColaChannel* rssi = scan_.intensities.empty() ? nullptr : telegram.intensity(echo);
   if (rssi != nullptr && rssi->values.size() != distance.values.size()) rssi = nullptr;
   constexpr double metres = 1e-3;
   for (std::size_t i = 0; i < scan_.beams; ++i) {
     const std::size_t from = first_beam_ + i;
     const std::size_t at = scan_.index(i, echo);
     if (rssi != nullptr) scan_.intensities[at] = static_cast<float>(rssi->value(from));
-    const BeamStatus status = status_of_raw(distance.values[from]);
+    const BeamStatus status = status_of_raw(distance.values[from], row_);
     if (status == BeamStatus::hit)
       scan_.set_measured(at, static_cast<float>(distance.value(from) * metres));
     else
@@ -235,8 +241,8 @@ void ColaCloudBuilder::append(const ColaScan& telegram, std::size_t ring, Span f
       cloud_.columns.push_back({static_cast<std::uint32_t>(cloud_.size()), packet_, 0,
                                 static_cast<std::uint8_t>(echo),
                                 static_cast<float>(azimuth_deg * rad_per_deg), fired});
-      append_return(*telegram.channel(distance_names[echo]), telegram.channel(intensity_names[echo]), beam,
-                    azimuth_deg, static_cast<std::uint16_t>(ring), fired);
+      append_return(*telegram.channel(distance_names[echo]), telegram.intensity(echo), beam, azimuth_deg,
+                    static_cast<std::uint16_t>(ring), fired);
       // Second and third echoes are rare: drop their columns without a point.
       if (echo > 0 && cloud_.columns.back().first_point == cloud_.size()) cloud_.columns.pop_back();
     }
@@ -247,7 +253,7 @@ void ColaCloudBuilder::append(const ColaScan& telegram, std::size_t ring, Span f
 
 void ColaCloudBuilder::append_return(const ColaChannel& distance, const ColaChannel* rssi, std::size_t beam,
                                      double azimuth_deg, std::uint16_t ring, Stamp fired) {
-  if (status_of_raw(distance.values[beam]) != BeamStatus::hit) return;
+  if (distance.values[beam] < first_distance) return;
   const double range = distance.value(beam) * 1e-3;
   if (range < range_min_ || range > range_max_) return;
   const auto [cosine, sine] = directions_[beam];

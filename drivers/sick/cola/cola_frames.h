@@ -28,6 +28,9 @@ struct ColaGeometry {
   /// rad in the device's ROS frame; fractions of a beam are allowed.
   double angle(const ColaRow& row, double beam) const;
   Span sweep() const;
+  /// True if only the begin differs, by less than a step: LMS1000 and MRS1000 shift their scans so at fine
+  /// resolutions (sick_scan_xd, README, interlaced modes).
+  bool is_interlaced_with(const ColaGeometry& other) const;
   friend bool operator==(const ColaGeometry& a, const ColaGeometry& b);
 };
 
@@ -40,8 +43,9 @@ std::string describe(const ColaGeometry& geometry);
 double exact_step_deg(double sent);
 
 /// State of a beam from its raw distance. Values below 16 are codes (sick_scan_xd, README of the data
-/// formats): 0 no echo, 1 dazzled, others unknown. Unverified: 0 always means free space.
-BeamStatus status_of_raw(std::uint16_t raw);
+/// formats): 0 no echo, 1 dazzled, others unknown. Unverified: 0 means free space, but for
+/// ColaRow::zero_is_unknown.
+BeamStatus status_of_raw(std::uint16_t raw, const ColaRow& row);
 constexpr std::uint16_t first_distance = 16;
 
 /// Makes planar scans from the telegrams of a single-plane device.

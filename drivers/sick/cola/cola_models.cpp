@@ -23,24 +23,32 @@ constexpr std::uint32_t tim7xxs_password = 0x6FD62C05;
 // the stamp cannot be that of the first beam; assumed: the last beam. MRS1104 transmits 64 ms after it, its
 // sweep lasts 61 ms: the first beam. LMS511: 40 ms, sweep 21 ms: assumed: the first beam. All others are
 // unverified, as is the error within a turn.
-constexpr ColaRow row(double shift_deg, bool mirrored, ColaStamp stamp,
+constexpr ColaRow row(double shift_deg, bool mirrored, ColaStamp stamp, std::uint8_t echoes = 1,
                       std::uint32_t password = usual_password) {
-  return {shift_deg, mirrored, stamp, 1, authorized_client, password, false};
+  return {shift_deg, mirrored, stamp, 1, authorized_client, password, false, echoes};
 }
-constexpr ColaRow lms1xx = row(-90, false, ColaStamp::last_beam);
-constexpr ColaRow lms5xx = row(-90, false, ColaStamp::first_beam);
-constexpr ColaRow lms4000 = row(-90, false, ColaStamp::first_beam);
+// Echoes: a few LMS1xx configurations in public use 1, 2 or 3; all five of the LMS5xx: SICK 8014631.
+constexpr std::uint8_t two_echoes = 0x03, three_echoes = 0x07, five_echoes = 0x1f;
+constexpr ColaRow lms1xx = row(-90, false, ColaStamp::last_beam, two_echoes);
+constexpr ColaRow lms5xx = row(-90, false, ColaStamp::first_beam, five_echoes);
+// SICK 8023202 (LMS4400 and LMS4500) p. 56: 0 also stands for too near, too dark, or removed by a filter.
+constexpr ColaRow lms4000 = {-90, false, ColaStamp::first_beam, 1, authorized_client, usual_password, false,
+                             1,   true};
 constexpr ColaRow tim240 = row(0, false, ColaStamp::last_beam);
 constexpr ColaRow tim = row(-90, false, ColaStamp::last_beam);
-constexpr ColaRow tim7xxs = row(-90, false, ColaStamp::last_beam, tim7xxs_password);
-constexpr ColaRow lrs36x0 = row(90, true, ColaStamp::first_beam);
+constexpr ColaRow tim7xxs = row(-90, false, ColaStamp::last_beam, 1, tim7xxs_password);
 constexpr ColaRow lrs36x1 = row(-180, false, ColaStamp::first_beam);
+// README of sick_scan_xd: 90 deg less; its parser: 0.
 constexpr ColaRow nav2xx = row(0, false, ColaStamp::first_beam);
-constexpr ColaRow nav31x = row(0, true, ColaStamp::first_beam);
+// NAV31x, OEM15xx and LRS36x0: sick_lmd_scandata_parser.cpp lets them begin at +180 deg, whatever the shift
+// of the row is. The NAV310's 0 deg lies behind it.
+constexpr ColaRow backward = row(-180, true, ColaStamp::first_beam);
 // Four measuring modules turn together and send one sweep each: four telegrams per turn (SICK 8020494, p.
 // 24).
-constexpr ColaRow lms1000 = {-90, false, ColaStamp::first_beam, 4, authorized_client, usual_password, false};
-constexpr ColaRow mrs1000 = {-90, false, ColaStamp::first_beam, 4, authorized_client, usual_password, true};
+constexpr ColaRow lms1000 = {-90,   false,       ColaStamp::first_beam, 4, authorized_client, usual_password,
+                             false, three_echoes};
+constexpr ColaRow mrs1000 = {-90,  false,       ColaStamp::first_beam, 4, authorized_client, usual_password,
+                             true, three_echoes};
 
 constexpr std::uint16_t usual_port = 2112;
 constexpr std::uint16_t other_port = 2111;
@@ -52,7 +60,6 @@ struct Facts {
   const ColaRow* row;
   double hz;                    ///< telegrams per second, usual
   double range_min, range_max;  ///< m
-  bool has_echoes;
   const char* verified;
   std::uint16_t port = usual_port;
 };
@@ -60,21 +67,21 @@ struct Facts {
 // Ranges: the products' data sheets, the largest of each family; the near ends are distances in recordings
 // (LMS111 0.08 m, MRS1104 16 mm). Unverified.
 constexpr Facts all_facts[] = {
-    {"sick_lms1xx", "LMS1xx", &lms1xx, 50, 0.05, 50, true, "1 capture (LMS111), telegrams of an LMS151"},
-    {"sick_lms5xx", "LMS5xx", &lms5xx, 25, 0.05, 80, true, "1 capture (LMS511), single answers in CoLa A"},
-    {"sick_lms1000", "LMS1000", &lms1000, 50, 0.05, 64, true, unverified},
-    {"sick_lms4000", "LMS4000", &lms4000, 600, 0.5, 3.5, false, unverified},
-    {"sick_tim240", "TiM240", &tim240, 14.5, 0.05, 10, false, unverified, other_port},
-    {"sick_tim4xx", "TiM4xx", &tim, 15, 0.05, 25, false, unverified},
-    {"sick_tim5xx", "TiM5xx", &tim, 15, 0.05, 25, false, "1 telegram of CoLa A, headers of two TiM551"},
-    {"sick_tim7xx", "TiM7xx", &tim, 15, 0.05, 25, false, "2 captures (TiM781S)"},
-    {"sick_tim7xxs", "TiM7xxS", &tim7xxs, 15, 0.05, 25, false, "2 captures (TiM781S)"},
-    {"sick_lrs36x0", "LRS36x0", &lrs36x0, 8, 0.5, 250, false, unverified},
-    {"sick_lrs36x1", "LRS36x1", &lrs36x1, 15, 0.5, 250, false, unverified},
-    {"sick_nav2xx", "NAV2xx", &nav2xx, 25, 0.1, 50, false, unverified},
-    {"sick_nav31x", "NAV31x", &nav31x, 8, 0.5, 250, false, unverified, other_port},
-    {"sick_oem15xx", "OEM15xx", &nav31x, 8, 0.5, 250, false, unverified, other_port},
-    {"sick_mrs1000", "MRS1000", &mrs1000, 50, 0.016, 64, true,
+    {"sick_lms1xx", "LMS1xx", &lms1xx, 50, 0.05, 50, "1 capture (LMS111), telegrams of an LMS151"},
+    {"sick_lms5xx", "LMS5xx", &lms5xx, 25, 0.05, 80, "1 capture (LMS511), single answers in CoLa A"},
+    {"sick_lms1000", "LMS1000", &lms1000, 150, 0.05, 64, unverified},
+    {"sick_lms4000", "LMS4000", &lms4000, 600, 0.5, 3.5, unverified},
+    {"sick_tim240", "TiM240", &tim240, 14.5, 0.05, 10, unverified, other_port},
+    {"sick_tim4xx", "TiM4xx", &tim, 15, 0.05, 25, unverified},
+    {"sick_tim5xx", "TiM5xx", &tim, 15, 0.05, 25, "1 telegram of CoLa A, headers of two TiM551"},
+    {"sick_tim7xx", "TiM7xx", &tim, 15, 0.05, 25, "2 captures (TiM781S)"},
+    {"sick_tim7xxs", "TiM7xxS", &tim7xxs, 15, 0.05, 25, "2 captures (TiM781S)"},
+    {"sick_lrs36x0", "LRS36x0", &backward, 8, 0.5, 250, unverified},
+    {"sick_lrs36x1", "LRS36x1", &lrs36x1, 15, 0.5, 250, unverified},
+    {"sick_nav2xx", "NAV2xx", &nav2xx, 25, 0.1, 50, unverified},
+    {"sick_nav31x", "NAV31x", &backward, 8, 0.5, 250, unverified, other_port},
+    {"sick_oem15xx", "OEM15xx", &backward, 8, 0.5, 250, unverified, other_port},
+    {"sick_mrs1000", "MRS1000", &mrs1000, 50, 0.016, 64,
      "2 captures (MRS1104), one beside the clouds that SICK's own driver published of it"},
 };
 
@@ -91,7 +98,7 @@ Model model_of(const Facts& facts) {
   model.row = facts.row;
   model.make = make_cola_driver;
   model.traits = {Trait::settings_writable, Trait::logins, Trait::skip_setting, Trait::states_on_request};
-  if (facts.has_echoes && !facts.row->layered) model.traits.add(Trait::echoes);
+  if (facts.row->echoes != 1 && !facts.row->layered) model.traits.add(Trait::echoes);
   for (const std::string_view topic : {topic_fields, topic_outputs, topic_inputs, topic_encoder})
     model.messages.push_back(message_topic<DeviceState>(topic));
   if (facts.row->layered) model.messages.push_back(message_topic<ImuSample>());
@@ -113,17 +120,17 @@ struct Identity {
 };
 constexpr std::array identities = {
     Identity{"MRS1", "sick_mrs1000"},    Identity{"LMS1xxx", "sick_lms1000"},
-    Identity{"LMS1000", "sick_lms1000"}, Identity{"LMS10", "sick_lms1xx"},
-    Identity{"LMS11", "sick_lms1xx"},    Identity{"LMS12", "sick_lms1xx"},
-    Identity{"LMS13", "sick_lms1xx"},    Identity{"LMS14", "sick_lms1xx"},
-    Identity{"LMS15", "sick_lms1xx"},    Identity{"LMS1xx", "sick_lms1xx"},
-    Identity{"LMS5", "sick_lms5xx"},     Identity{"LMS4", "sick_lms4000"},
-    Identity{"TiM2", "sick_tim240"},     Identity{"TiM4", "sick_tim4xx"},
-    Identity{"TiM5", "sick_tim5xx"},     Identity{"TiM7", "sick_tim7xx"},
-    Identity{"LRS3601", "sick_lrs36x1"}, Identity{"LRS3611", "sick_lrs36x1"},
-    Identity{"LRS36x1", "sick_lrs36x1"}, Identity{"LRS36", "sick_lrs36x0"},
-    Identity{"NAV2", "sick_nav2xx"},     Identity{"NAV31", "sick_nav31x"},
-    Identity{"OEM15", "sick_oem15xx"},
+    Identity{"LMS1000", "sick_lms1000"}, Identity{"LMS1104", "sick_lms1000"},
+    Identity{"LMS10", "sick_lms1xx"},    Identity{"LMS11", "sick_lms1xx"},
+    Identity{"LMS12", "sick_lms1xx"},    Identity{"LMS13", "sick_lms1xx"},
+    Identity{"LMS14", "sick_lms1xx"},    Identity{"LMS15", "sick_lms1xx"},
+    Identity{"LMS1xx", "sick_lms1xx"},   Identity{"LMS5", "sick_lms5xx"},
+    Identity{"LMS4", "sick_lms4000"},    Identity{"TiM2", "sick_tim240"},
+    Identity{"TiM4", "sick_tim4xx"},     Identity{"TiM5", "sick_tim5xx"},
+    Identity{"TiM7", "sick_tim7xx"},     Identity{"LRS3601", "sick_lrs36x1"},
+    Identity{"LRS3611", "sick_lrs36x1"}, Identity{"LRS36x1", "sick_lrs36x1"},
+    Identity{"LRS36", "sick_lrs36x0"},   Identity{"NAV2", "sick_nav2xx"},
+    Identity{"NAV31", "sick_nav31x"},    Identity{"OEM15", "sick_oem15xx"},
 };
 
 /// Evidence from the scans of a sender.
@@ -151,7 +158,7 @@ struct Family {
 /// sends distances in steps of 2 mm, as its range of 80 m requires (16 bits of 1 mm end at 65 m). The values
 /// of the others are from recordings or, unverified, from data sheets.
 constexpr std::array families = {
-    Family{"sick_lms1000", -47.5, 227.5, {50}, {0.25}, 1, 64},
+    Family{"sick_lms1000", -48, 228, {37.5, 75, 150}, {0.1875, 0.375, 0.75}, 1, 64},
     Family{"sick_tim7xx", -45, 225, {15}, {1.0 / 3}, 1, 25},
     Family{"sick_tim7xxs", -45, 225, {15}, {1.0 / 3}, 1, 25},
     Family{"sick_tim5xx", -45, 225, {15}, {1.0 / 3, 1}, 1, 25},
@@ -211,7 +218,7 @@ bool add_scan(const ColaScan& scan, ColaEvidence& seen) {
   seen.hz = scan.scan_hz;
   seen.scale_mm = static_cast<double>(distance->scale);
   for (std::size_t i = 0; i < distance->values.size(); ++i) {
-    if (status_of_raw(distance->values[i]) == BeamStatus::hit)
+    if (distance->values[i] >= first_distance)
       seen.farthest_m = std::max(seen.farthest_m, distance->value(i) * 1e-3);
   }
   return true;

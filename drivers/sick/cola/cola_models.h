@@ -17,13 +17,15 @@ enum class ColaStamp : std::uint8_t { first_beam, last_beam };
 
 /// Protocol properties of one device.
 struct ColaRow {
-  double shift_deg;        ///< added to the device's angle, so that 0 points ahead
-  bool mirrored;           ///< then the sign changes: the device counts clockwise
-  ColaStamp stamp;         ///< meaning of the start time
-  std::uint8_t turn;       ///< telegrams for each turn of the mirror
-  std::uint8_t login;      ///< SOPAS user level that may write settings
-  std::uint32_t password;  ///< its factory password, as SOPAS hashes it
-  bool layered;            ///< several planes, one telegram for each: a cloud
+  double shift_deg;              ///< added to the device's angle, so that 0 points ahead
+  bool mirrored;                 ///< then the sign changes: the device counts clockwise
+  ColaStamp stamp;               ///< meaning of the start time
+  std::uint8_t turn;             ///< telegrams for each turn of the mirror
+  std::uint8_t login;            ///< SOPAS user level that may write settings
+  std::uint32_t password;        ///< its factory password, as SOPAS hashes it
+  bool layered;                  ///< several planes, one telegram for each: a cloud
+  std::uint8_t echoes = 1;       ///< bits of the echoes DIST1 ... that it can send
+  bool zero_is_unknown = false;  ///< distance 0 does not say that nothing is there
 };
 
 /// Adds the scanners that speak CoLa A and B over TCP to the table of models.

@@ -36,8 +36,8 @@ Reject read_encoders(Reader& in, ColaScan& scan) {
   scan.encoder_count = in.u16();
   if (scan.encoder_count > ColaScan::most_encoders) return Reject::field;
   for (std::size_t i = 0; i < scan.encoder_count; ++i) {
-    scan.encoders[i].position = in.u32();
-    scan.encoders[i].speed = in.u16();
+    scan.encoders[i].position = in.i32();
+    scan.encoders[i].speed = in.i16();
   }
   return Reject::none;
 }
@@ -113,6 +113,11 @@ const ColaChannel* ColaScan::channel(std::string_view wanted) const {
     if (channels[i].name() == wanted) return &channels[i];
   }
   return nullptr;
+}
+
+const ColaChannel* ColaScan::intensity(std::size_t echo) const {
+  const ColaChannel* const rssi = channel(intensity_names[echo]);
+  return rssi == nullptr && echo == 0 ? channel("REFL1") : rssi;
 }
 
 std::size_t ColaScan::echo_count() const {

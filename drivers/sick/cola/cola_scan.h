@@ -42,8 +42,8 @@ struct ColaScan {
   static constexpr std::size_t most_channels = 24;
   static constexpr std::size_t most_encoders = 4;
   struct Encoder {
-    std::uint32_t position = 0;  ///< ticks
-    std::uint16_t speed = 0;     ///< ticks/mm
+    std::int32_t position = 0;  ///< ticks
+    std::int16_t speed = 0;     ///< ticks/mm
   };
 
   std::uint32_t serial = 0;
@@ -64,6 +64,9 @@ struct ColaScan {
   std::string_view name() const { return {name_text.data(), name_size}; }
   /// The channel of that name ("DIST1"), or nullptr.
   const ColaChannel* channel(std::string_view name) const;
+  /// The intensities of an echo, or nullptr. An LMS4000 that is set to remission in percent sends REFL1 (SICK
+  /// 8027168 p. 55).
+  const ColaChannel* intensity(std::size_t echo) const;
   /// Number of consecutive channels DIST1, DIST2, ...
   std::size_t echo_count() const;
 };
@@ -96,9 +99,13 @@ class ColaClock {
     start_us_ = start_us;
     arrival_ = arrival;
     const Span way = std::chrono::microseconds(transmit_us - start_us);
-    clock_.observe(device_ + (way <= longest_way ? way : sweep), arrival);
+    const bool is_sent = transmit_us != 0 && way <= longest_way;
+    if (is_sent) shortest_way_ = std::min(shortest_way_.value_or(way), way);
+    clock_.observe(device_ + (is_sent ? way : sweep), arrival);
     return device_;
   }
+  /// The shortest time from a telegram's start time to its transmission so far; none: the device sends none.
+  const std::optional<Span>& shortest_way() const { return shortest_way_; }
   /// The unwrapped time nearest to the last telegram.
   Span near_last(std::uint32_t time_us) const {
     return device_ + std::chrono::microseconds(static_cast<std::int32_t>(time_us - start_us_));
@@ -117,6 +124,7 @@ class ColaClock {
   /// Resets the clock for another device or recording with unrelated times.
   void reset() {
     started_ = false;
+    shortest_way_.reset();
     clock_.reset();
   }
 
@@ -127,6 +135,7 @@ class ColaClock {
 
   DeviceClock clock_;
   bool started_ = false;
+  std::optional<Span> shortest_way_;
   std::uint64_t wraps_ = 0;
   std::uint32_t start_us_ = 0;
   Span device_{0};

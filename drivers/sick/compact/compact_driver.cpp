@@ -14,6 +14,8 @@ namespace {
 
 /// After this silence another device is accepted.
 constexpr Span silence = std::chrono::seconds(1);
+/// A warning of another device that sends to the same place stays for so long.
+constexpr Span rival_memory = std::chrono::seconds(10);
 /// Device times farther apart are from two clocks, or a clock was set.
 constexpr std::uint64_t one_clock_us = 2'000'000;
 /// A frame is closed this long after its last segment was due.
@@ -141,9 +143,11 @@ class CompactDriver final : public DriverBase {
     const auto order = order_.add(segment_.counter, counters_);
     if (order == TelegramOrder::Verdict::duplicate) return Reject::duplicate;
     const std::uint64_t stop_us = segment_.stop_us();
-    const bool jumped = last_stop_us_ != 0 && (stop_us + one_clock_us < last_stop_us_ ||
+    // A telegram that is late may be as old; the next one is older only if the clock was set.
+    const std::uint64_t disorder_us = order == TelegramOrder::Verdict::next ? 20'000 : one_clock_us;
+    const bool jumped = last_stop_us_ != 0 && (stop_us + disorder_us < last_stop_us_ ||
                                                stop_us > last_stop_us_ + 3600 * one_clock_us);
-    if (order == TelegramOrder::Verdict::restart || jumped) {
+    if (order == TelegramOrder::Verdict::restart || jumped || frames_.counts_anew(segment_)) {
       begin_stream(out);
       if (jumped) {
         clock_.restart();
@@ -216,12 +220,19 @@ class CompactDriver final : public DriverBase {
   }
 
   bool is_ours(std::uint32_t sender, Stamp arrival) {
-    if (sender_known_ && sender == sender_) return true;
+    if (sender_known_ && sender == sender_) {
+      if (rival_at_ && std::chrono::abs(arrival - *rival_at_) > rival_memory) {
+        warnings_.clear(SegmentTrouble::other_device);
+        rival_at_.reset();
+      }
+      return true;
+    }
     if (sender_known_ && std::chrono::abs(arrival - last_arrival_) <= silence) {
-      if (!warnings_.is_set(SegmentTrouble::other_device))
+      if (!rival_at_)
         warnings_.set(SegmentTrouble::other_device,
                       "device " + std::to_string(sender) + " sends to the same place as device " +
                           std::to_string(sender_) + " and is ignored; set ip_address of both");
+      rival_at_ = arrival;
       return false;
     }
     if (sender_known_)
@@ -300,6 +311,7 @@ class CompactDriver final : public DriverBase {
   std::uint64_t clock_restarts_ = 0;
   std::uint64_t last_stop_us_ = 0;
   Stamp last_arrival_;
+  std::optional<Stamp> rival_at_;  // arrival of a scan of another device
   bool sender_known_ = false;
   std::uint32_t sender_ = 0;
   std::uint32_t described_version_ = ~0U;

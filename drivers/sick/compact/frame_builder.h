@@ -84,6 +84,12 @@ class OpenFrames {
     return true;
   }
 
+  /// True if the segment is too old to be late: the device counts its frames anew.
+  bool counts_anew(const Segment& segment) const {
+    constexpr std::uint64_t latest = 64;
+    return released_any_ && segment.frame + latest < released_number_;
+  }
+
   const Frame& frame(std::size_t slot) const { return frames_[slot]; }
   /// Bit n: segment n belongs to a frame; 0: not yet known.
   std::uint64_t expected() const { return expected_; }

@@ -67,7 +67,7 @@ void RasterScan::begin(const RasterGrid& grid, std::size_t echoes, float range_m
   beams_.range_min = range_min;
   beams_.range_max = range_max;
   beams_.reset(grid.beams, echoes, true);
-  reflectors_.assign(grid.beams, 0);
+  reflectors_.assign(grid.beams, {});
   reflector_count_ = 0;
   begin_count_ = 0;
   empty_ = true;
@@ -124,9 +124,20 @@ void RasterScan::put(const SegmentLine& line, std::size_t from, std::size_t beam
   for (std::size_t e = echoes; e < beams_.echoes; ++e) {
     beams_.set_without_hit(beams_.index(beam, e), BeamStatus::none);
   }
-  const bool reflector = line.properties.sent() && (static_cast<unsigned>(line.properties[from]) & 1U) != 0;
-  if (reflector && reflectors_[beam] == 0) ++reflector_count_;
-  reflectors_[beam] = reflector ? 1 : 0;
+  if (line.properties.sent() && (static_cast<unsigned>(line.properties[from]) & 1U) != 0)
+    put_reflector(line, from, reflectors_[beam]);
+}
+
+/// The flag belongs to the last echo (sick_perception_sdk, PointCloudCollector.cpp; sick_scan_xd,
+/// compact_parser.cpp): a fence before the reflector has an echo too.
+void RasterScan::put_reflector(const SegmentLine& line, std::size_t from, Reflector& reflector) {
+  const auto metres = static_cast<float>(line.metres);
+  const bool is_known = reflector.range > 0;
+  for (std::size_t e = 0; e < line.echoes; ++e) {
+    const float range = static_cast<float>(line.distance[e][from]) * metres;
+    if (range > 0) reflector = {range, line.rssi[e].sent() ? static_cast<float>(line.rssi[e][from]) : 0};
+  }
+  if (!is_known && reflector.range > 0) ++reflector_count_;
 }
 
 /// Only the start times of segments are used. In a recording of a picoScan150 (5 segments of 240 beams, 0.25

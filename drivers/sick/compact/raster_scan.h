@@ -62,11 +62,17 @@ class RasterScan {
   /// Copies the beams [begin, begin + count) with `echoes` echoes to `out` and sets its geometry.
   void copy(std::size_t begin, std::size_t count, std::size_t echoes, bool with_intensities,
             PlanarScan& out) const;
-  bool reflector(std::size_t beam) const { return reflectors_[beam] != 0; }
+  /// The last echo of a beam that hit a reflector; range 0: it did not.
+  struct Reflector {
+    float range = 0;      // m
+    float intensity = 0;  // 0: not sent
+  };
+  const Reflector& reflector(std::size_t beam) const { return reflectors_[beam]; }
   std::size_t reflectors() const { return reflector_count_; }
 
  private:
   void put(const SegmentLine& line, std::size_t from, std::size_t beam);
+  void put_reflector(const SegmentLine& line, std::size_t from, Reflector& reflector);
   void note_extent(const SegmentLine& line, std::size_t begin, std::size_t end);
   void note_begin(std::size_t beam, std::uint64_t us);
 
@@ -78,7 +84,7 @@ class RasterScan {
 
   RasterGrid grid_;
   PlanarScan beams_;
-  std::vector<std::uint8_t> reflectors_;
+  std::vector<Reflector> reflectors_;
   std::size_t reflector_count_ = 0;
   bool empty_ = true;
   std::size_t first_beam_ = 0, end_beam_ = 0, first_segment_ = 0, last_segment_ = 0;

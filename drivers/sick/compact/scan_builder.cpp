@@ -180,7 +180,12 @@ class ScanBuilder final : public FrameBuilder {
     marked_.scan_time = scan_.scan_time;
     raster.copy(kept.first, kept.count, 1, config_.publish_intensity, marked_);
     for (std::size_t i = 0; i < kept.count; ++i) {
-      if (!raster.reflector(kept.first + i)) marked_.set_without_hit(i, BeamStatus::invalid);
+      const RasterScan::Reflector& reflector = raster.reflector(kept.first + i);
+      if (reflector.range > 0)
+        marked_.set_measured(i, reflector.range);
+      else
+        marked_.set_without_hit(i, BeamStatus::invalid);
+      if (!marked_.intensities.empty()) marked_.intensities[i] = reflector.intensity;
     }
     out.extra_scan(reflectors_topic, marked_);
   }

@@ -148,10 +148,14 @@ class SopasDialogue final : public SideDialogue {
 
   void silent(DriverOutput& out) override {
     const bool reads = variable_ < variables.size();
-    fail("accepts the connection but does not answer '" +
-             (reads ? session_.command() : steps_.at(step_).what) +
-             "'; check that it speaks CoLa A on that port and that no other client is connected to it",
-         out);
+    warn("the device accepts the connection but does not answer '" +
+         (reads ? session_.command() : steps_.at(step_).what) +
+         "'; check that it speaks CoLa A on that port and that no other client is connected to it");
+    hang_up(false, out);
+  }
+
+  void cut_off() override {
+    warn("the device closes the connection before it answers; check that no other client is connected to it");
   }
 
   void question(const std::string& command, const std::string& arguments, DriverOutput& out) {
@@ -266,7 +270,7 @@ class SopasDialogue final : public SideDialogue {
 
   void fail(std::string why, DriverOutput& out) {
     warn("the device " + std::move(why));
-    hang_up(true, out);  // the next attempt comes after a longer pause
+    hang_up(true, out);  // a refusal is final: a repeated password may lock the device
   }
 
   DeviceRequests requests_;

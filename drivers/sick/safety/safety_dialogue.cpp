@@ -98,6 +98,9 @@ class SafetyDialogue final : public SideDialogue {
   }
 
   void silent(DriverOutput& out) override { fail("does not answer on its TCP port", out); }
+  void cut_off() override {
+    warn("the scanner closes the connection before it answers; is another program connected?");
+  }
 
   void ask_in_mode(char type, char mode, ByteView data, DriverOutput& out) {
     Cola2Telegram telegram;

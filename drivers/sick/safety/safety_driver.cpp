@@ -15,6 +15,8 @@ namespace {
 
 /// After such a silence another device or channel is accepted, and sequence numbers may start again.
 constexpr Span silence = std::chrono::seconds(1);
+/// A warning of another device that sends to the same place stays for so long.
+constexpr Span rival_memory = std::chrono::seconds(10);
 /// Data sets at most this late were overtaken; older ones are a restart of the device.
 constexpr std::int32_t overtaking_limit = 16;
 /// Loss that is accepted at once; a larger one must fit the elapsed time.
@@ -119,11 +121,13 @@ class SafetyDriver final : public DriverBase {
   /// False for the data of another device or another channel.
   bool is_ours(Stamp arrival) {
     if (stream_known_ && telegram_.serial == serial_ && telegram_.channel == channel_) {
+      if (std::chrono::abs(arrival - rival_at_) > rival_memory) board_.clear(Warning::other_stream);
       last_arrival_ = arrival;
       our_sender_ = sender_;
       return true;
     }
     if (stream_known_ && std::chrono::abs(arrival - last_arrival_) <= silence) {
+      rival_at_ = arrival;
       board_.update(Warning::other_stream, true, [&] {
         const std::string remedy = telegram_.serial == serial_ ? "give each channel its own UDP port"
                                    : sender_ == our_sender_ ? "both have the address " + sender_.to_string() +
@@ -137,10 +141,11 @@ class SafetyDriver final : public DriverBase {
       return false;
     }
     const std::uint32_t before = serial_;
-    board_.update(Warning::other_device, stream_known_ && telegram_.serial != before, [&] {
-      return "scanner " + std::to_string(before) + " was replaced by scanner " +
-             std::to_string(telegram_.serial) + "; check its pose and its fields";
-    });
+    board_.clear(Warning::other_device);
+    if (stream_known_ && telegram_.serial != before)
+      board_.set(Warning::other_device, "scanner " + std::to_string(before) + " was replaced by scanner " +
+                                            std::to_string(telegram_.serial) +
+                                            "; check its pose and its fields");
     stream_known_ = true;
     serial_ = telegram_.serial;
     channel_ = telegram_.channel;
@@ -303,7 +308,7 @@ class SafetyDriver final : public DriverBase {
   bool stream_known_ = false;
   std::uint32_t serial_ = 0;
   std::uint8_t channel_ = 0;
-  Stamp last_arrival_;
+  Stamp last_arrival_, rival_at_;
   bool sequence_known_ = false;
   std::uint32_t sequence_ = 0, scan_number_ = 0;
   Stamp counted_until_;

@@ -80,16 +80,16 @@ TEST(Footprint, ARayCrossesItWhereItsPointsAreInside) {
       if (in < 0) in = r;
       out = r;
     }
-    const auto crossing = body.crossing(origin, direction);
+    const auto crossings = body.crossings(origin, direction);
     if (in >= 0 && out - in < 0.05) continue;
-    ASSERT_EQ(crossing.has_value(), in >= 0) << round;
-    if (!crossing) {
+    ASSERT_EQ(crossings.size(), in >= 0 ? 1U : 0U) << round;
+    if (crossings.empty()) {
       ++missed;
       continue;
     }
     ++crossed;
-    ASSERT_NEAR(crossing->in, in, 0.005) << round;
-    ASSERT_NEAR(crossing->out, out, 0.005) << round;
+    ASSERT_NEAR(crossings[0].in, in, 0.005) << round;
+    ASSERT_NEAR(crossings[0].out, out, 0.005) << round;
   }
   EXPECT_GT(crossed, 100);
   EXPECT_GT(missed, 100);
@@ -102,19 +102,13 @@ TEST(Footprint, ARayAlongAnEdgeCrossesItBetweenItsCornersOrNotAtAll) {
     const auto corners = random_outline(rng);
     const Eigen::Vector2d direction = (corners[1] - corners[0]).normalized();
     const Eigen::Vector2d origin = corners[0] - 4 * direction;
-    const auto crossing = Footprint(corners).crossing(origin, direction);
-    if (!crossing) continue;
+    const auto crossings = Footprint(corners).crossings(origin, direction);
+    if (crossings.empty()) continue;
     ++crossed;
-    ASSERT_NEAR(crossing->in, 4, 1e-6) << round;
-    ASSERT_NEAR(crossing->out, 4 + (corners[1] - corners[0]).norm(), 1e-6) << round;
+    ASSERT_NEAR(crossings.front().in, 4, 1e-6) << round;
+    ASSERT_NEAR(crossings.back().out, 4 + (corners[1] - corners[0]).norm(), 1e-6) << round;
   }
   EXPECT_GT(crossed, 100);
-}
-
-TEST(Footprint, ASpikeIsCutOffAtFourMargins) {
-  const Footprint spike = Footprint({{0, -0.01}, {10, 0}, {0, 0.01}}).padded(0.1);
-  EXPECT_TRUE(spike.contains({10.3, 0}));
-  EXPECT_FALSE(spike.contains({10.45, 0}));
 }
 
 PlanarScan scan_of(std::size_t beams, double first, double increment) {
@@ -122,6 +116,34 @@ PlanarScan scan_of(std::size_t beams, double first, double increment) {
   scan.reset(beams);
   scan.set_angles(static_cast<float>(first), static_cast<float>(increment));
   return scan;
+}
+
+TEST(Footprint, ARayThroughTwoPartsOfItCrossesItTwice) {
+  const Footprint forks({{0, 0}, {4, 0}, {4, 1}, {1, 1}, {1, 2}, {4, 2}, {4, 3}, {0, 3}});
+  const auto across = forks.crossings({2, -1}, {0, 1});
+  ASSERT_EQ(across.size(), 2U);
+  EXPECT_NEAR(across[0].in, 1, 1e-12);
+  EXPECT_NEAR(across[0].out, 2, 1e-12);
+  EXPECT_NEAR(across[1].in, 3, 1e-12);
+  EXPECT_NEAR(across[1].out, 4, 1e-12);
+  // From the heel through the space between them into a part; through two corners.
+  EXPECT_EQ(forks.crossings({0.5, 1.5}, {1, 0.2}).size(), 2U);
+  EXPECT_EQ(forks.crossings({0.5, 1.5}, {1, 0}).size(), 1U);
+  EXPECT_EQ(forks.crossings({1, -1}, {0, 1}).size(), 2U);
+
+  BeamRays rays;
+  rays.build(scan_of(1, 0, 0), make_pose({2, -1, 0}, {0, 0, pi_d / 2}), forks, {});
+  EXPECT_NEAR(rays.own_from(0, 1), 0.95, 1e-5);
+  EXPECT_NEAR(rays.own_from(0, 2.04F), 0.95, 1e-5);
+  EXPECT_TRUE(std::isinf(rays.own_from(0, 2.5F)));
+  EXPECT_NEAR(rays.own_from(0, 3.5F), 2.95, 1e-5);
+  EXPECT_TRUE(std::isinf(rays.own_from(0, 4.1F)));
+}
+
+TEST(Footprint, ASpikeIsCutOffAtFourMargins) {
+  const Footprint spike = Footprint({{0, -0.01}, {10, 0}, {0, 0.01}}).padded(0.1);
+  EXPECT_TRUE(spike.contains({10.3, 0}));
+  EXPECT_FALSE(spike.contains({10.45, 0}));
 }
 
 TEST(BeamRays, PointWhereTheMountSaysAndKnowTheBandTheyCross) {

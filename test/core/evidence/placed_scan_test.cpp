@@ -55,12 +55,12 @@ TEST(Footprint, KnowsInsideAndCrossingsWhicheverWayItsVerticesGo) {
     const Footprint body(v);
     EXPECT_TRUE(body.contains({-2, 0}));
     EXPECT_FALSE(body.contains({1, 0}));
-    const auto through = body.crossing({1, 0}, {-1, 0});
-    ASSERT_TRUE(through);
-    EXPECT_NEAR(through->in, 1, 1e-12);
-    EXPECT_NEAR(through->out, 5, 1e-12);
-    EXPECT_FALSE(body.crossing({1, 0}, {1, 0}));
-    EXPECT_EQ(body.crossing({-1, 0}, {0, 1})->in, 0);
+    const auto through = body.crossings({1, 0}, {-1, 0});
+    ASSERT_EQ(through.size(), 1U);
+    EXPECT_NEAR(through[0].in, 1, 1e-12);
+    EXPECT_NEAR(through[0].out, 5, 1e-12);
+    EXPECT_TRUE(body.crossings({1, 0}, {1, 0}).empty());
+    EXPECT_EQ(body.crossings({-1, 0}, {0, 1}).at(0).in, 0);
   }
 }
 

@@ -25,6 +25,7 @@ struct Head {
   double rate = turn * 10;
   double swept = turn;
   double skip_from = 9, skip_to = 9;  // azimuths after `begin` that are not fired
+  bool bank_by_bank = false;          // every other column holds ring 1
 };
 
 /// A revolution of a lidar with the rings 0 and 1, of which ring 1 sees the world.
@@ -42,6 +43,8 @@ Cloud revolution(const World& world, const Head& head = {}, Stamp stamp = Stamp{
     column.azimuth = static_cast<float>(azimuth);
     column.stamp = stamp + span_from_seconds(at / head.rate);
     points.push_back({0.5F, 0, 1, 99, 0, static_cast<float>(at / head.rate)});
+    cloud.columns.push_back(column);
+    if (head.bank_by_bank && cloud.columns.size() % 2 == 0) continue;
     const double direction = -(azimuth + ring_offset);
     const double range = world(std::remainder(direction, turn));
     if (std::isfinite(range)) {
@@ -49,10 +52,10 @@ Cloud revolution(const World& world, const Head& head = {}, Stamp stamp = Stamp{
                         static_cast<float>(range * std::sin(direction)), -3, 7, 1,
                         static_cast<float>(at / head.rate + ring_delay_s)});
     } else if (range < 0) {
-      cloud.too_near.push_back({static_cast<std::uint32_t>(cloud.columns.size()), 1});
+      cloud.too_near.push_back({static_cast<std::uint32_t>(cloud.columns.size() - 1), 1});
     }
-    cloud.columns.push_back(column);
   }
+  cloud.bank_by_bank = head.bank_by_bank;
   const auto* bytes = reinterpret_cast<const std::uint8_t*>(points.data());
   cloud.points_bytes.assign(bytes, bytes + points.size() * sizeof(CloudPoint));
   cloud.complete = true;
@@ -89,6 +92,20 @@ TEST(RingScan, SeesAWallWhereItIsAtEveryResolutionAndCut) {
         ASSERT_EQ(scan.intensities[i], 7);
       }
     }
+  }
+}
+
+TEST(RingScan, ColumnsOfAnotherBankAreNoBeamsWithoutReturn) {
+  Head head;
+  head.bank_by_bank = true;
+  RingScan ring(spec_of(0.0035));
+  PlanarScan scan;
+  const auto gate = [](double direction) { return std::fabs(direction) < 0.3 ? inf() : room(direction); };
+  ASSERT_TRUE(ring.convert(revolution(gate, head), scan));
+  for (std::size_t i = 0; i < scan.beams; ++i) {
+    const double from_gate = std::fabs(std::remainder(static_cast<double>(scan.angle(i)), turn)) - 0.3;
+    if (std::fabs(from_gate) < 0.02) continue;
+    ASSERT_EQ(scan.statuses[i], from_gate > 0 ? BeamStatus::hit : BeamStatus::invalid) << "beam " << i;
   }
 }
 

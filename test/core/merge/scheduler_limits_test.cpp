@@ -90,7 +90,8 @@ TEST(SchedulerEvents, WhoAsksAtTheEventsAloneMissesNothingThatWhoAlwaysAsksGets)
       const auto always = outputs_of(deliveries, sources, settings, length, true);
       ASSERT_EQ(events.size(), always.size()) << to_string(policy) << ' ' << round;
       for (std::size_t i = 0; i < events.size(); ++i) {
-        ASSERT_EQ(events[i].at, always[i].at) << to_string(policy) << ' ' << round << ' ' << seconds(always[i].at);
+        ASSERT_EQ(events[i].at, always[i].at)
+            << to_string(policy) << ' ' << round << ' ' << seconds(always[i].at);
         ASSERT_EQ(events[i].use, always[i].use) << seconds(events[i].at);
       }
       compared += events.size();
@@ -201,7 +202,8 @@ TEST(SchedulerLimits, TheUsualDelayOfASourceIsWaitedForButNotMoreThanItsPeriod) 
     ScheduleSettings settings;
     settings.deadline = ms(5);
     Scheduler scheduler(1, settings);
-    for (int i = 0; i < 50; ++i) scheduler.delivered(0, origin + ms(40 * i), 0.04, origin + ms(40 * i + delay));
+    for (int i = 0; i < 50; ++i)
+      scheduler.delivered(0, origin + ms(40 * i), 0.04, origin + ms(40 * i + delay));
     const Stamp end = origin + ms(40 * 49);
     const Stamp overdue = end + ms(40 + std::min(delay, 40.0) + 5);
     if (overdue > end + ms(delay)) {
@@ -211,6 +213,17 @@ TEST(SchedulerLimits, TheUsualDelayOfASourceIsWaitedForButNotMoreThanItsPeriod) 
         << delay;
     EXPECT_EQ(scheduler.age(0, end + ms(123)), ms(123));
   }
+}
+
+TEST(SchedulerLimits, ASourceThatDiesAfterItsStampsJumpedAheadIsOverdueAndLostAsAnyOther) {
+  Scheduler scheduler(1, {});
+  for (double at = 0; at <= 1000; at += 25) {
+    const double ahead = at >= 950 ? 10'000 : 0;
+    scheduler.delivered(0, origin + ms(at + ahead), 0.025, origin + ms(at));
+  }
+  EXPECT_EQ(scheduler.state(0, origin + ms(1025)), SourceState::ok);
+  EXPECT_EQ(scheduler.state(0, origin + ms(1060)), SourceState::stale);
+  EXPECT_EQ(scheduler.state(0, origin + ms(1410)), SourceState::lost);
 }
 
 TEST(SchedulerLimits, JumpsBackOfASecondAreNoRestartButLongerOnesAre) {

@@ -136,6 +136,31 @@ TEST(RingPoints, TheCoarsestRingTellsTheColumns) {
   EXPECT_EQ(points_in(grid), grid.kind.size());
 }
 
+TEST(RingPoints, ARingWithFewReturnsTellsNoStep) {
+  SmallLidar lidar(8);
+  lidar.range = [](std::size_t ring, std::size_t column) {
+    return ring == 4 && (column % 3 != 0 || column > 60) ? 0.0 : 8.0;
+  };
+  RingGrid grid({});
+  ASSERT_TRUE(grid.organise(without_columns(lidar.cloud(), 8)));
+  EXPECT_EQ(grid.columns(), 360U);
+}
+
+TEST(RingPoints, FollowsADeviceThatIsSetToOtherSteps) {
+  RingGridSettings settings;
+  settings.no_return_free_range = 40;
+  RingGrid grid(settings);
+  for (const std::size_t columns : {720U, 360U, 720U}) {
+    SmallLidar lidar(9);
+    lidar.columns = columns;
+    lidar.scatter_offsets(0.5);
+    const Cloud cloud = without_columns(lidar.cloud(), 9);
+    for (int i = 0; i < 60; ++i) ASSERT_TRUE(grid.organise(cloud));
+    EXPECT_EQ(grid.columns(), columns);
+    EXPECT_EQ(points_in(grid), cloud.size()) << "no beam is without return";
+  }
+}
+
 TEST(RingPoints, SaysWhyACloudIsNoGrid) {
   const auto why_not = [](const Cloud& cloud) {
     RingGrid grid({});

@@ -192,7 +192,8 @@ TEST(SensorConfig, RefusesNamesThatRosWouldRefuse) {
       error_of("sensors:\n  front-left: {model: velodyne_vlp16}\n"),
       "f:2:3: sensors.front-left cannot be part of a topic name; expected a letter, then letters, digits "
       "and underscores");
-  for (const std::string topic : {"'1scan'", "a//b", "scan/", "'my scan'", "'~'", "/"}) {
+  for (const std::string topic :
+       {"'1scan'", "a//b", "scan/", "'my scan'", "'~'", "/", "'~scan'", "'~/scan'"}) {
     EXPECT_THAT(error_of("sensors: {a: {topic: " + topic + "}}"), StartsWith("f:1:22: sensors.a.topic is "));
   }
   EXPECT_EQ(error_of("sensors: {a: {topic: scan, frame_id: 'my frame'}}"),

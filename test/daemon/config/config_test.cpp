@@ -183,6 +183,13 @@ TEST(VehicleConfig, RefusesOdometryThatMovesWithTheVehicle) {
             "odom");
 }
 
+TEST(VehicleConfig, RefusesAnOdometryFrameThatHangsFromTheVehicle) {
+  EXPECT_THAT(error_of("vehicle: {odometry_frame: odom}\n"
+                       "sensors: {a: {model: velodyne_vlp16, frame_id: odom, pose: {xyz: [0, 0, 1]}}}\n"),
+              testing::HasSubstr("places odom in base_link, which the pose of base_link in "
+                                 "vehicle.odometry_frame places in odom"));
+}
+
 TEST(LoadConfig, FilesThatCannotBeReadSayWhy) {
   EXPECT_EQ(load_error("/nowhere/lidard.yaml"),
             "/nowhere/lidard.yaml: cannot be read: No such file or directory; expected a readable YAML file");

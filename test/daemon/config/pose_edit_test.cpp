@@ -55,6 +55,15 @@ TEST(PoseEdit, WritesSmallNumbersWithoutAnExponent) {
             "sensors: {a: {time_offset: 0.00002, pose: {xyz: [-0.0001, 0, 0], rpy_deg: [0, 0, 0]}}}");
 }
 
+TEST(PoseEdit, KeepsAByteOrderMarkAndRefusesAPoseThatIsMergedIn) {
+  const std::string mark = "\xEF\xBB\xBF", begin = "sensors: {a: {pose: {xyz: [";
+  EXPECT_EQ(with_mounts(mark + begin + "0, 0, 0], rpy_deg: [0, 0, 0]}}}",
+                        {{"a", {make_pose({1, 2, 3}, {0, 0, 0}), {}}}}),
+            mark + begin + "1, 2, 3], rpy_deg: [0, 0, 0]}}}");
+  EXPECT_THROW(with_mounts("v: &v {pose: {xyz: [0, 0, 0]}}\nsensors: {a: {<<: *v}}", {{"a", {wanted, {}}}}),
+               std::runtime_error);
+}
+
 TEST(PoseEdit, NamesTheLineOfAPoseThatItCannotReplace) {
   try {
     with_mounts("sensors:\n  a:\n    pose:\n      xyz:\n        - 0\n        - 0\n        - 0\n",

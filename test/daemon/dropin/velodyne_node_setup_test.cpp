@@ -181,7 +181,14 @@ TEST(VelodyneNode, RefusesValuesThatMeanNothing) {
             "parameter ~read_once is 'maybe'; expected true or false");
   EXPECT_THAT(error_of({{"model", "VLP16"}, {"device_ip", "roof"}}),
               HasSubstr("sensors.velodyne.ip_address is"));
-  EXPECT_THAT(error_of({{"model", "VLP16"}, {"laserscan_ring", "16"}}), HasSubstr("scan_ring is 16"));
+  EXPECT_THAT(error_of({{"model", "VLP16"}, {"laserscan_ring", "1.5"}}), HasSubstr("scan_ring is \"1.5\""));
+}
+
+TEST(VelodyneNode, TakesNoViewForTheWholeTurnAndARingThatThereIsNotForTheLevelOne) {
+  const SensorConfig plain = sensor_of({{"model", "VLP16"}});
+  const SensorConfig odd = sensor_of({{"model", "VLP16"}, {"view_width", "0"}, {"laserscan_ring", "16"}});
+  EXPECT_EQ(odd.driver.view_width, plain.driver.view_width);
+  EXPECT_EQ(odd.ring_scan->ring, plain.ring_scan->ring);
 }
 
 TEST(VelodyneNode, IsNamedLikeAnyNode) {

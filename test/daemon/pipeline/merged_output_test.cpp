@@ -301,6 +301,19 @@ TEST(MergedOutput, ThatGivesNothingSaysSoAfterThreeSeconds) {
   EXPECT_EQ(item.message, "no output for more than 3 s: see the state of its sensors");
 }
 
+TEST(MergedOutput, ASlowRateIsNoErrorBetweenItsOutputs) {
+  PipelineBench bench(two_sources("policy: rate, rate: 0.1"));
+  for (double at = 100; at <= 9000; at += 100) {
+    sweep(bench, "a", ms(at));
+    sweep(bench, "b", ms(at));
+    bench.pipeline.tick(bench_begin + ms(at));
+  }
+  const Stamp last = bench.sink.released["m"].back();
+  EXPECT_EQ(bench.item("merged m", last + ms(8000)).message, "publishing");
+  EXPECT_EQ(bench.item("merged m", last + ms(15'100)).message,
+            "no output for more than 15 s: see the state of its sensors");
+}
+
 TEST(MergedOutput, ASweepWithoutAPlaceIsCountedAndItsSourceNamed) {
   PipelineBench bench(
       "sensors: {a: {topic: /a}, b: {topic: /b, pose: {xyz: [0, 0, 0]}}}\n"

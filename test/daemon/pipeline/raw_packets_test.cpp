@@ -123,6 +123,21 @@ TEST(RawPackets, AreBoundedWhereNoRevolutionEnds) {
   EXPECT_EQ(roof.raw_count(), RawPacketCollector::most_packets + 10) << "not one is lost";
 }
 
+TEST(RawPackets, OfBeforeAndAfterAGapAreNotInOneMessage) {
+  Roof roof("raw_topic: raw");
+  const auto packets = half_a_second();
+  const Span gap = std::chrono::hours(1);
+  for (std::size_t i = 0; i < packets.size(); ++i) {
+    sim::SimulatedPacket packet = packets[i];
+    if (i >= packets.size() / 2) packet.arrival = packet.arrival + gap;
+    roof.take(packet);
+  }
+  roof.pipeline.finish(packets.back().arrival + gap);
+  EXPECT_EQ(roof.raw_count(), packets.size());
+  for (const RawPackets& one : roof.raw())
+    EXPECT_LT(one.arrivals.back() - one.arrivals.front(), std::chrono::seconds(1));
+}
+
 TEST(RawPackets, UseNoNewMemoryAfterTheFirstRevolutions) {
   const Config config = parse_config("sensors: {roof: {model: velodyne_vlp16, raw_topic: raw}}", "f");
   const auto all = half_a_second();

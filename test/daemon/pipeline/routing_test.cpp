@@ -99,6 +99,23 @@ TEST(Routing, TelemetryComesInOnAPortOfItsOwn) {
   EXPECT_THAT(vehicle.packets(), ElementsAre(0, 1)) << "a port of 0 is no port";
 }
 
+TEST(Routing, TelemetryOfSensorsWithoutAddressGoesToTheOneWhoseDataComeFromThere) {
+  const Model model = line_model(Transport::udp, 2368);
+  SensorConfig first = line_sensor(model, "first", host(10));
+  first.ip_address.reset();
+  first.telemetry_port = 8308;
+  SensorConfig second = first;
+  second.name = "second";
+  second.ip_port = 2370;
+  Vehicle vehicle({first, second});
+  vehicle.datagram(10, 2368);
+  vehicle.datagram(11, 2370);
+  vehicle.datagram(11, 8308);
+  EXPECT_THAT(vehicle.packets(), ElementsAre(1, 2));
+  vehicle.datagram(10, 8308);
+  EXPECT_THAT(vehicle.packets(), ElementsAre(2, 2));
+}
+
 TEST(Routing, ASensorThatIsFedByATopicTakesNoDatagrams) {
   const Model model = line_model(Transport::udp, 2368);
   SensorConfig fed = line_sensor(model, "fed", host(10));

@@ -102,7 +102,7 @@ PlanarScan deskewed_by_imu(const Pose& mount, const std::string& imu, double yaw
       "sensors: {a: {topic: /a, pose: {xyz: [1, 0, 0]}}}\n"
       "merged_scans: {m: {laserscan_topics: a, beams: 720, range_max: 20}}\n");
   bench.tf.set("base_link", "imu", mount);
-  bench.pipeline.speed_message(2);
+  bench.pipeline.speed_message(2, bench_begin);
   const Eigen::Vector3d in_base(0, 0, yaw_rate);
   const Eigen::Vector3d measured = imu.empty() ? in_base : mount.linear().transpose() * in_base;
   for (int at = 0; at <= 410; at += 10)
@@ -139,6 +139,7 @@ TEST(MotionOfAnImu, WhosePlaceIsNotKnownIsCountedAndNamed) {
   PipelineBench bench(
       "vehicle: {imu_topic: /imu, speed_topic: /speed}\n"
       "sensors: {a: {topic: /a, pose: {xyz: [1, 0, 0]}}}\n");
+  bench.pipeline.speed_message(1, bench_begin);
   bench.pipeline.turn_message(bench_begin, {0, 0, 1}, "imu", bench_begin);
   bench.pipeline.turn_message(bench_begin + ms(10), {0, 0, 1}, "imu", bench_begin + ms(10));
   const DiagnosticItem item = bench.item("motion", bench_begin + ms(10));
@@ -149,11 +150,34 @@ TEST(MotionOfAnImu, WhosePlaceIsNotKnownIsCountedAndNamed) {
             "from imu to base_link");
 }
 
+TEST(MotionOfAnImu, WithoutARecentSpeedIsNoMotion) {
+  PipelineBench bench(
+      "vehicle: {imu_topic: /imu, speed_topic: /speed}\n"
+      "sensors: {a: {topic: /a, pose: {xyz: [1, 0, 0]}}}\n"
+      "merged_scans: {m: {laserscan_topics: a, beams: 720, range_max: 20}}\n");
+  const auto run = [&](int from, int to, bool with_speed) {
+    for (int at = from; at < to; at += 10) {
+      const Stamp now = bench_begin + ms(at);
+      if (with_speed) bench.pipeline.speed_message(5, now);
+      bench.pipeline.turn_message(now, {0, 0, 0}, "", now);
+      if (at % 100 == 0) bench.give("a", round_scan("a", now - ms(200), 5, 721, ms(100)), now);
+    }
+    return bench.item("motion", bench_begin + ms(to));
+  };
+  EXPECT_EQ(run(0, 1000, false).health, Health::warn) << "no speed ever";
+  EXPECT_EQ(run(1000, 3000, true).health, Health::ok);
+  EXPECT_EQ(bench.value("merged m", "Motion", bench_begin + ms(3000)), "deskewed");
+  const DiagnosticItem item = run(3000, 6000, false);
+  EXPECT_EQ(item.health, Health::warn) << "the speed is that of seconds ago";
+  EXPECT_THAT(item.message, testing::EndsWith("no speed comes on /speed"));
+  EXPECT_NE(bench.value("merged m", "Motion", bench_begin + ms(6000)), "deskewed");
+}
+
 TEST(MotionOfAnImu, CountsSpeedsAndRatesThatCannotBe) {
   PipelineBench bench(
       "vehicle: {imu_topic: /imu, speed_topic: /speed}\n"
       "sensors: {a: {topic: /a, pose: {xyz: [1, 0, 0]}}}\n");
-  bench.pipeline.speed_message(std::numeric_limits<double>::quiet_NaN());
+  bench.pipeline.speed_message(std::numeric_limits<double>::quiet_NaN(), bench_begin);
   bench.pipeline.turn_message(bench_begin, {0, 0, std::numeric_limits<double>::infinity()}, "", bench_begin);
   bench.pipeline.turn_message(bench_begin + ms(20), {0, 0, 1}, "", bench_begin + ms(20));
   bench.pipeline.turn_message(bench_begin + ms(10), {0, 0, 1}, "", bench_begin + ms(20));

@@ -53,7 +53,7 @@ struct Seen final : MessageReceiver {
   void packet_message(const std::string&, const Packet&, Stamp) override {}
   void pose_message(Stamp, const Pose&, const std::string&, Stamp) override {}
   void turn_message(Stamp, const Eigen::Vector3d&, const std::string&, Stamp) override {}
-  void speed_message(double) override {}
+  void speed_message(double, Stamp) override {}
   std::string set_output(const OutputId&, const OutputScanConfig&) override { return {}; }
   std::string set_sensor(const SensorConfig&) override { return {}; }
 };

@@ -119,7 +119,7 @@ TEST(MasterClient, TakesTheAnswerOfAMasterAndNothingElse) {
       pid_from(http_answer("<methodResponse><fault><value><int>1</int></value></fault></methodResponse>")),
       "error: the answer is a fault");
   for (const char* other : {"<html>welcome</html>", "<methodResponse></methodResponse>"})
-    EXPECT_EQ(pid_from(http_answer(other)), "error: the answer is not XML-RPC") << other;
+    EXPECT_EQ(pid_from(http_answer(other)), "error: nobody answers there in XML-RPC") << other;
   for (const char* other : {"", "SSH-2.0-OpenSSH_9.2\r\n", "HTTP/1.1 200 OK\r\nContent-Length: 9\r\n\r\n<?"})
     EXPECT_EQ(pid_from(other, 500ms).substr(0, 7), "error: ") << other;
 }

@@ -6,7 +6,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cctype>
 #include <random>
+#include <utility>
+#include <vector>
 
 #include "test/drivers/capture/pcap_testing.h"
 #include "test/support/captures.h"
@@ -206,6 +209,29 @@ INSTANTIATE_TEST_SUITE_P(Sick, RealTcpCapture,
                                            RealCapture{"tim7xx_sopas_et_field_test", 1114, 935012, 0, 0},
                                            RealCapture{"rms1xxx_colaa_radar", 1630, 258452, 287, 0}),
                          [](const auto& capture) { return std::string(capture.param.name); });
+
+/// The connections picked of chunks at some times, ms; capitals begin a connection.
+std::string picked(const std::vector<std::pair<int, char>>& chunks) {
+  ConnectionPicker picker;
+  std::string out;
+  for (const auto& [at, name] : chunks) {
+    Packet chunk;
+    chunk.arrival = Stamp{1'000'000'000'000LL + at * 1'000'000LL};
+    chunk.stream_start = std::isupper(name) != 0;
+    chunk.to.port = static_cast<std::uint16_t>(std::tolower(name));
+    if (picker.pick(chunk)) out += chunk.stream_start ? static_cast<char>(std::toupper(name)) : name;
+  }
+  return out;
+}
+
+TEST(ConnectionPicker, FollowsTheNewestConnectionAndTheOldOneOnceThatIsSilent) {
+  EXPECT_EQ(picked({{0, 'A'}, {20, 'a'}, {25, 'B'}, {40, 'b'}, {60, 'b'}}), "AaBbb") << "a reconnect";
+  // A configuration tool asks twice while the driver's connection goes on.
+  EXPECT_EQ(
+      picked({{0, 'A'}, {20, 'a'}, {30, 'T'}, {40, 'a'}, {800, 't'}, {1790, 'a'}, {1810, 'a'}, {1830, 'a'}}),
+      "AaTtAa");
+  EXPECT_EQ(picked({{0, 'a'}, {20, 'a'}, {25, 'b'}, {40, 'a'}}), "Aaa") << "none begins in the capture";
+}
 
 }  // namespace
 }  // namespace lidard::test

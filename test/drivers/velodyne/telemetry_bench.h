@@ -67,7 +67,13 @@ class TelemetryBench final : public DriverOutput {
     if (const auto* sample = std::get_if<ImuSample>(&message)) samples.push_back(*sample);
   }
 
-  Reject give(ByteView packet, Stamp arrival) { return receiver->receive(packet, arrival, *this, info); }
+  Reject give(ByteView bytes, Stamp arrival, HostStamp received = {}) {
+    Packet packet;
+    packet.payload = bytes;
+    packet.arrival = arrival;
+    packet.received = received;
+    return receiver->receive(packet, *this, info);
+  }
   /// All telemetry of a capture; returns how many packets.
   std::size_t play(const std::string& capture) {
     PcapSource source(capture);

@@ -64,6 +64,19 @@ TEST(TelemetryOfCaptures, Vlp16WithLockedPpsGivesFixAndTimeToTheMicrosecond) {
   EXPECT_TRUE(bench.info.warnings.empty());
 }
 
+TEST(TelemetryReceiver, ComparesItsClockWithTheHostsAfterThatWasSet) {
+  TelemetryBench bench;
+  TelemetryBytes packet;
+  const Stamp arrival{1'700'000'000'000'000'000};  // 22:13:20
+  packet.toh(800).pps(velodyne::Pps::locked);
+  bench.give(packet.view(), arrival);
+  EXPECT_EQ(bench.detail("Clock difference to host (s)"), "0.000");
+  // Since the program began the host's clock was set by 3 s, and so was the sensor's.
+  packet.toh(805);
+  bench.give(packet.view(), arrival + std::chrono::seconds(2), HostStamp{arrival.ns + 5'000'000'000});
+  EXPECT_EQ(bench.detail("Clock difference to host (s)"), "0.000");
+}
+
 TEST(TelemetryOfCaptures, Hdl32eWithoutPpsGivesTwoFixesAndAHundredImuSamples) {
   LIDARD_NEED_CAPTURE(path, "velodyne/hdl32e_gprmc_876.pcap");
   TelemetryBench bench(true);
@@ -342,7 +355,10 @@ TEST(TelemetryReceiver, AllocatesNothingPerPacket) {
   for (std::size_t i = 0; i < packets.size(); ++i) {
     if (i == 20) before = test::allocations();
     const Stamp arrival = ten_o_clock + std::chrono::seconds(5) + milliseconds(100) * static_cast<int>(i);
-    bench.receiver->receive(packets[i].view(), arrival, out, bench.info);
+    Packet packet;
+    packet.payload = packets[i].view();
+    packet.arrival = arrival;
+    bench.receiver->receive(packet, out, bench.info);
   }
   EXPECT_EQ(test::allocations() - before, 0U);
   EXPECT_EQ(out.fixes, 20U);

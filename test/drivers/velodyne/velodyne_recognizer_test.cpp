@@ -8,6 +8,7 @@
 #include "drivers/model.h"
 #include "drivers/registry/identifier.h"
 #include "drivers/registry/registry.h"
+#include "test/sim/world/rng.h"
 #include "test/support/captures.h"
 #include "test/support/collector.h"
 #include "test/support/velodyne_wire.h"
@@ -60,6 +61,19 @@ TEST(VelodyneRecognizer, EveryModelAndModeIsTheVerdictOrAmongTheOthers) {
     if (among) {
       EXPECT_THAT(found.remark, HasSubstr(which.model));
     }
+  }
+}
+
+TEST(VelodyneRecognizer, ModelsAreRecognisedThoughHalfOfThePacketsAreMissing) {
+  for (const ModelMode& which : test::model_modes()) {
+    if (which.table().has_status()) continue;  // status bytes are spread over many packets
+    auto packets = test::spin(which, 0.5);
+    const Found whole = identify(packets);
+    sim::Rng rng(5);
+    packets.erase(
+        std::remove_if(packets.begin(), packets.end(), [&](const auto&) { return rng.uniform() < 0.5; }),
+        packets.end());
+    EXPECT_EQ(identify(packets).model, whole.model) << which.name();
   }
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 #include <set>
+#include <utility>
 
 #include "drivers/capture/pcap_source.h"
 #include "drivers/model.h"
@@ -304,6 +305,31 @@ TEST(VelodyneStream, AClockThatIsSetForwardIsNoLoss) {
     EXPECT_EQ(returns_with_clock_set(vlp16.c_str(), "velodyne_vlp16", by_us, counters), 73486U);
     EXPECT_EQ(counters.lost_packets, 0U);
     EXPECT_EQ(counters.clock_steps, 1U);
+  }
+}
+
+// The firing cycle of an HDL-64E depends on its settings, which can be changed while it runs.
+TEST(VelodyneStream, AnHdl64eThatChangesItsFiringCycleHasTheNewTimes) {
+  const auto packets = [](const char* timing) {
+    return test::spin({"velodyne_hdl64e_s3", sim::ReturnMode::strongest, timing}, 3);
+  };
+  DriverConfig config;
+  config.model = find_model("velodyne_hdl64e_s3");
+  for (const auto& [before, after] : {std::pair("48", "57.6"), std::pair("57.6", "48")}) {
+    const auto changed = config.model->make(config), fresh = config.model->make(config);
+    test::Columns from_changed, from_fresh;
+    for (const test::WirePacket& packet : packets(before)) test::give(*changed, packet, from_changed);
+    for (const test::WirePacket& packet : packets(after)) {
+      test::give(*changed, packet, from_changed);
+      test::give(*fresh, packet, from_fresh);
+    }
+    const auto& columns = from_fresh.frames.back().columns;
+    const auto& same = from_changed.frames.back().columns;
+    ASSERT_EQ(columns.size(), same.size());
+    for (std::size_t c = 0; c < columns.size(); ++c) {
+      const auto after_first = [c](const auto& list) { return seconds(list[c].stamp - list[0].stamp); };
+      ASSERT_NEAR(after_first(same), after_first(columns), 2e-5) << before << " column " << c;
+    }
   }
 }
 

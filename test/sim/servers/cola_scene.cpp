@@ -29,18 +29,18 @@ struct Product {
 constexpr Product products[] = {
     {"sick_lms1xx", "LMS111", 50, -45, 225, 0.5, 90, false, true, 0.05, 50},
     {"sick_lms5xx", "LMS511", 25, -5, 185, 1.0 / 6, 90, false, false, 0.05, 65},
-    {"sick_lms1000", "LMS1xxx", 50, -47.5, 227.5, 0.25, 90, false, false, 0.05, 64},
+    {"sick_lms1000", "LMS1xxx", 150, -48, 228, 0.75, 90, false, false, 0.05, 64},
     {"sick_lms4000", "LMS4xxx", 600, 55, 125, 1.0 / 12, 90, false, false, 0.5, 3.5},
     {"sick_tim240", "TiM240", 14.5, -120, 120, 1, 0, false, true, 0.05, 10},
     {"sick_tim4xx", "TiM433", 15, -30, 210, 1.0 / 3, 90, false, true, 0.05, 25},
     {"sick_tim5xx", "TiM571", 15, -45, 225, 1.0 / 3, 90, false, true, 0.05, 25},
     {"sick_tim7xx", "TiM781", 15, -45, 225, 1.0 / 3, 90, false, true, 0.05, 25},
     {"sick_tim7xxs", "TiM781S", 15, -45, 225, 1.0 / 3, 90, false, true, 0.05, 25},
-    {"sick_lrs36x0", "LRS3600", 8, 0, 359.75, 0.25, -90, true, false, 0.5, 65},
+    {"sick_lrs36x0", "LRS3600", 8, 0, 359.75, 0.25, 180, true, false, 0.5, 65},
     {"sick_lrs36x1", "LRS3601", 15, 0, 359.5, 0.5, 180, false, false, 0.5, 65},
     {"sick_nav2xx", "NAV245", 25, -135, 135, 0.5, 0, false, false, 0.1, 50},
-    {"sick_nav31x", "NAV310", 8, 0, 359.75, 0.25, 0, true, false, 0.5, 65},
-    {"sick_oem15xx", "OEM1501", 8, 0, 359.75, 0.25, 0, true, false, 0.5, 65},
+    {"sick_nav31x", "NAV310", 8, 0, 359.75, 0.25, 180, true, false, 0.5, 65},
+    {"sick_oem15xx", "OEM1501", 8, 0, 359.75, 0.25, 180, true, false, 0.5, 65},
     {"sick_mrs1000", "MRS1xxxx", 50, -47.5, 227.5, 0.25, 90, false, false, 0.05, 64},
 };
 

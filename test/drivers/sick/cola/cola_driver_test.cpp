@@ -67,9 +67,9 @@ INSTANTIATE_TEST_SUITE_P(
                       Pointing{"sick_lms1000", -90, -80}, Pointing{"sick_lms4000", -90, -80},
                       Pointing{"sick_tim240", 0, 10}, Pointing{"sick_tim4xx", -90, -80},
                       Pointing{"sick_tim5xx", -90, -80}, Pointing{"sick_tim7xx", -90, -80},
-                      Pointing{"sick_tim7xxs", -90, -80}, Pointing{"sick_lrs36x0", -90, -100},
+                      Pointing{"sick_tim7xxs", -90, -80}, Pointing{"sick_lrs36x0", 180, 170},
                       Pointing{"sick_lrs36x1", -180, -170}, Pointing{"sick_nav2xx", 0, 10},
-                      Pointing{"sick_nav31x", 0, -10}, Pointing{"sick_oem15xx", 0, -10}),
+                      Pointing{"sick_nav31x", 180, 170}, Pointing{"sick_oem15xx", 180, 170}),
     [](const auto& each) { return std::string(each.param.model); });
 
 TEST(ColaDriver, EveryModelOfTheTableHasAPointingTest) {
@@ -97,6 +97,55 @@ TEST(ColaDriver, CodesAreNoDistances) {
   EXPECT_FLOAT_EQ(scan.ranges[20], 50);
   EXPECT_EQ(scan.ranges[21], infinite);
   EXPECT_EQ(scan.ranges[22], infinite);
+}
+
+// SICK 8023202 p. 56: 0 is also the distance of what is too near, too dark or removed by a filter.
+TEST(ColaDriver, AnLms4000DoesNotSayThatNothingIsThere) {
+  ColaBench bench("sick_lms4000");
+  bench.sample.channels = {channel("DIST1", {0, 1, 700, 5000})};
+  bench.send_sample();
+  const PlanarScan& scan = bench.scans.at(0);
+  EXPECT_TRUE(std::isnan(scan.ranges[0]));
+  EXPECT_TRUE(std::isnan(scan.ranges[1]));
+  EXPECT_FLOAT_EQ(scan.ranges[2], 0.7F);
+  EXPECT_EQ(scan.ranges[3], infinite) << "beyond its range";
+}
+
+// sick_scan_xd, README, interlaced modes: the begin moves by a part of the step from scan to scan.
+TEST(ColaDriver, AnInterlacedScanIsNoChangeOfSettings) {
+  ColaBench bench("sick_lms1000");
+  for (const std::int32_t start : {-480000, -478125, -476250, -474375, -480000}) {
+    bench.sample.channels = {{"DIST1", 1, 0, start, 7500, true, {1000, 1000, 1000}}};
+    bench.send_sample();
+  }
+  ASSERT_EQ(bench.scans.size(), 5U);
+  EXPECT_NEAR(bench.scans[1].angle_min - bench.scans[0].angle_min, 0.1875 * pi_d / 180, 1e-6);
+  EXPECT_TRUE(bench.driver->info().warnings.empty());
+  bench.sample.channels = {{"DIST1", 1, 0, -400000, 7500, true, {1000, 1000, 1000}}};
+  bench.send_sample();
+  EXPECT_FALSE(bench.driver->info().warnings.empty());
+}
+
+// Telegrams of an LMS151 at 25 Hz were sent 45 ms after their stamp, those of an LMS111 at 50 Hz 3 ms.
+TEST(ColaDriver, AStampLongBeforeTheTransmissionIsThatOfTheFirstBeam) {
+  for (const auto& [way_us, age] : {std::pair(45'500, 0.0455), std::pair(3000, 0.033)}) {
+    ColaBench bench;
+    bench.sample.scan_frequency = 2500;
+    bench.sample.measurement_frequency = 180;
+    bench.sample.transmit_us = bench.sample.start_us + static_cast<std::uint32_t>(way_us);
+    for (int i = 0; i < 20; ++i) bench.send_next();
+    EXPECT_NEAR(seconds(bench.now - bench.scans.back().stamp), age, 1e-3) << way_us;
+  }
+}
+
+TEST(ColaDriver, WithoutATimeOfTransmissionStampsAreRightBeforeTheCounterOverflows) {
+  ColaBench bench;
+  bench.sample.start_us = 0xFFFFFFFF - 5'000'000;
+  for (int i = 0; i < 500; ++i) {
+    bench.sample.transmit_us = 0U - 20'000U;  // send_next() adds a period of 20 ms
+    bench.send_next();
+    ASSERT_LT(std::abs(seconds(bench.now - bench.scans.back().stamp)), 0.1) << i;
+  }
 }
 
 TEST(ColaDriver, ScaleAndOffsetApplyToDistancesAndNotToCodes) {

@@ -88,8 +88,9 @@ TEST_P(BothDialects, EveryFieldOfAFullTelegramIsRead) {
   EXPECT_DOUBLE_EQ(scan.scan_hz, 15);
   EXPECT_DOUBLE_EQ(scan.measurement_hz, 16200);
   ASSERT_EQ(scan.encoder_count, 2U);
-  EXPECT_EQ(scan.encoders[0].position, 1000U);
-  EXPECT_EQ(scan.encoders[1].speed, 65535);
+  EXPECT_EQ(scan.encoders[0].position, 1000);
+  EXPECT_EQ(scan.encoders[1].position, -16) << "backwards through zero";
+  EXPECT_EQ(scan.encoders[1].speed, -1);
   ASSERT_EQ(scan.channel_count, 4U);
   EXPECT_EQ(scan.echo_count(), 2U);
   const sick::ColaChannel* distance = scan.channel("DIST1");

@@ -293,10 +293,11 @@ TEST(FrameBuilder, OneEchoIsTheNearestAndAllComeWhenAskedFor) {
 
 TEST(FrameBuilder, ReflectorsMakeAScanOfTheirOwn) {
   SegmentBench bench;
+  bench.echoes = 3;
   for (std::uint64_t f = 0; f < 3; ++f) {
     for (int i = 0; i < SegmentBench::segments; ++i) {
       sim::SickSegment segment = bench.segment(f, i);
-      if (i == 3) segment.modules[0][0].beams[5].reflector = true;
+      if (i == 3) segment.modules[0][0].beams[5].reflector = segment.modules[0][0].beams[4].reflector = true;
       bench.send(bench.encode(segment), bench.arrival(f, i));
     }
   }
@@ -304,8 +305,11 @@ TEST(FrameBuilder, ReflectorsMakeAScanOfTheirOwn) {
   const PlanarScan& marked = bench.marked[1];
   EXPECT_EQ(marked.stamp, bench.scans[1].stamp);
   EXPECT_EQ(marked.beams, SegmentBench::all_beams);
-  EXPECT_EQ(unobserved(marked), SegmentBench::all_beams - 1);
-  EXPECT_NEAR(marked.ranges[185], 2.185, 1e-6);
+  EXPECT_EQ(unobserved(marked), SegmentBench::all_beams - 2);
+  EXPECT_NEAR(marked.ranges[184], 4.184, 1e-6) << "of its three echoes the last one";
+  EXPECT_EQ(marked.intensities[184], 300);
+  EXPECT_NEAR(marked.ranges[185], 2.185, 1e-6) << "its only echo";
+  EXPECT_EQ(marked.intensities[185], 5000);
 }
 
 TEST(FrameBuilder, RangesOutsideTheModelsLimitsAreNoHits) {
@@ -348,6 +352,44 @@ TEST(FrameBuilder, ARestartOfTheDeviceStampsRightAtOnce) {
   }
   EXPECT_EQ(bench.driver->counters().lost_packets, 0U);
   EXPECT_EQ(bench.driver->counters().clock_steps, 1U);
+}
+
+TEST(FrameBuilder, AClockThatIsSetBackALittleTearsOneFrameAlone) {
+  for (const std::uint64_t back_us : {100'000U, 1'000'000U, 1'900'000U}) {
+    SegmentBench bench;
+    for (std::uint64_t f = 0; f < 50; ++f) bench.send_frame(f);
+    const std::size_t before = bench.scans.size();
+    bench.start_us -= back_us;
+    for (std::uint64_t f = 50; f < 100; ++f) {
+      for (int i = 0; i < SegmentBench::segments; ++i) {
+        bench.driver->tick(bench.arrival(f, i), bench);
+        bench.send(f, i);
+      }
+    }
+    EXPECT_GE(bench.scans.size(), before + 49) << back_us;
+    std::size_t torn = 0;
+    for (std::size_t i = before; i < bench.scans.size(); ++i) {
+      EXPECT_EQ(bench.scans[i].beams, SegmentBench::all_beams) << back_us;
+      if (unobserved(bench.scans[i]) > 0) ++torn;
+    }
+    EXPECT_LE(torn, 1U) << back_us;
+    EXPECT_EQ(bench.driver->counters().rejected_total(), 0U) << back_us;
+  }
+}
+
+TEST(FrameBuilder, FramesThatAreCountedAnewGoOnThoughTimeAndTelegramsDo) {
+  SegmentBench bench;
+  for (std::uint64_t f = 0; f < 200; ++f) bench.send_frame(f);
+  const std::size_t before = bench.scans.size();
+  for (std::uint64_t f = 200; f < 205; ++f) {
+    for (int i = 0; i < SegmentBench::segments; ++i) {
+      sim::SickSegment segment = bench.segment(f, i);
+      segment.frame -= 199;
+      bench.send(bench.encode(segment), bench.arrival(f, i));
+    }
+  }
+  EXPECT_GE(bench.scans.size(), before + 4);
+  EXPECT_EQ(bench.driver->counters().rejected_total(), 0U);
 }
 
 TEST(FrameBuilder, StampsFollowTheDeviceClockNotTheNetwork) {

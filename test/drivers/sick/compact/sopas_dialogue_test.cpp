@@ -59,7 +59,7 @@ class Cable final : public DriverOutput {
 
   std::unique_ptr<Driver> driver;
   sim::SopasDevice device;
-  bool reachable = true, answers = true;
+  bool reachable = true, answers = true, closes = false;
   bool dialled = false, open = false;
   int connections = 0;
   std::size_t piece = 5;
@@ -69,6 +69,11 @@ class Cable final : public DriverOutput {
 
  private:
   void exchange() {
+    if (closes && open && !to_device.empty()) {
+      to_device.clear();
+      open = false;
+      driver->disconnected();
+    }
     while (open && answers && !to_device.empty()) {
       const std::string asked = std::move(to_device);
       to_device.clear();
@@ -225,6 +230,39 @@ TEST(SopasDialogue, ADeviceThatDoesNotAnswerIsGivenUpAndAskedAgain) {
   cable.run(6);
   EXPECT_GE(cable.device.commands.size(), 5U);
   EXPECT_TRUE(cable.warning().empty());
+}
+
+TEST(SopasDialogue, ADeviceThatClosesTheConnectionIsReportedAndAskedAgain) {
+  Cable cable(to_host("192.168.0.5", true));
+  cable.closes = true;
+  cable.run(12);
+  EXPECT_THAT(cable.warning(), HasSubstr("closes the connection before it answers"));
+  EXPECT_GE(cable.connections, 2);
+  EXPECT_LE(cable.connections, 4);
+  cable.closes = false;
+  cable.run(6);
+  EXPECT_TRUE(cable.warning().empty()) << cable.warning();
+  EXPECT_EQ(cable.device.variables["ScanDataEthSettings"], "1 +192 +168 +0 +5 +2115");
+}
+
+TEST(SopasDialogue, ADeviceThatIsSilentOnceIsAskedAgainThoughItsStreamFlows) {
+  Cable cable(to_host("192.168.0.5", true));
+  cable.answers = false;
+  for (int i = 0; i < 300; ++i) {
+    if (i == 100) cable.answers = true;
+    cable.run(0.1);
+    cable.hear();
+    const auto answered = testing::Not(testing::Contains(HasSubstr("does not answer")));
+    if (i == 99) {
+      EXPECT_THAT(cable.driver->info().warnings, testing::Not(answered));
+    }
+    if (i == 299) {
+      EXPECT_THAT(cable.driver->info().warnings, answered);
+    }
+  }
+  EXPECT_EQ(cable.device.variables["ScanDataEthSettings"], "1 +192 +168 +0 +5 +2115");
+  EXPECT_GE(cable.connections, 2);
+  EXPECT_LE(cable.connections, 5);
 }
 
 TEST(SopasDialogue, LevelAndPasswordAreConfigurable) {

@@ -211,6 +211,24 @@ TEST(SafetyDialogue, SendsTheVolatileSettingAgainAfterAPowerCycle) {
   EXPECT_EQ(talk.notes.size(), 2U);
 }
 
+TEST(SafetyDialogue, ReadsAgainFromTheScannerThatStreamsAfterAPauseThoughItMayNotWrite) {
+  Talk talk(wants(false));
+  talk.settings.current.enabled = true;
+  talk.settings.current.host = Talk::home;
+  talk.run(5);
+  ASSERT_TRUE(talk.streaming());
+  EXPECT_EQ(talk.dials, 1);
+  talk.reachable = false;
+  talk.settings.current.enabled = false;
+  talk.run(5);
+  EXPECT_FALSE(talk.streaming());
+  talk.reachable = true;
+  talk.settings.current.enabled = true;
+  talk.settings.heard.clear();
+  talk.run(10);
+  EXPECT_EQ(std::count(talk.settings.heard.begin(), talk.settings.heard.end(), "open"), 1);
+}
+
 TEST(SafetyDialogue, TellsEveryRefusalWithARemedy) {
   const char* const parts[] = {
       "general error", "no channel is free; switch", "interface is not supported", "start angle", "end angle",
