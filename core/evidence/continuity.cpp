@@ -107,6 +107,20 @@ void cut_bridges(const Returns& returns, const BeamRays& rays, double noise, Pla
   }
 }
 
+/// Marks links of which a return and a nearer one may belong to two things: nothing but the two returns says
+/// that there is a surface between them.
+void doubt_links(const Returns& returns, double noise, PlacedScan& sweep) {
+  const float shortest = std::max(shortest_bridge, static_cast<float>(5 * noise));
+  for (std::size_t i = 0; i + 1 < sweep.linked.size(); ++i) {
+    if (sweep.linked[i] == 0 || std::fabs(sweep.range[i] - sweep.range[i + 1]) < shortest) continue;
+    const Point b = returns.at(i), c = returns.at(i + 1);
+    const bool before = i > 0 && sweep.linked[i - 1] != 0 && returns.in_line(returns.at(i - 1), b, c);
+    const bool after =
+        i + 2 < sweep.linked.size() && sweep.linked[i + 1] != 0 && returns.in_line(b, c, returns.at(i + 2));
+    if (!before && !after) sweep.linked[i] = PlacedScan::near;
+  }
+}
+
 }  // namespace
 
 void link_neighbours(const BeamRays& rays, double noise, PlacedScan& sweep) {
@@ -116,7 +130,7 @@ void link_neighbours(const BeamRays& rays, double noise, PlacedScan& sweep) {
   const auto spread = static_cast<float>(2 * (1 - std::cos(step)));
   const auto slack = static_cast<float>(3 * noise);
   const Returns returns(rays, noise, sweep);
-  sweep.linked.assign(n, 0);
+  sweep.linked.assign(n, PlacedScan::apart);
   for (std::size_t i = 0; i + 1 < n; ++i) {
     if (sweep.kind[i] == Return::nothing || sweep.kind[i + 1] == Return::nothing) continue;
     const float a = sweep.range[i];
@@ -124,9 +138,10 @@ void link_neighbours(const BeamRays& rays, double noise, PlacedScan& sweep) {
     const float limit = std::min(a, b) * slope + slack;
     // The chord squared, without the cancellation of the cosine rule.
     const float squared = (a - b) * (a - b) + a * b * spread;
-    if (squared <= limit * limit || returns.grazing(i)) sweep.linked[i] = 1;
+    if (squared <= limit * limit || returns.grazing(i)) sweep.linked[i] = PlacedScan::linked_surely;
   }
   cut_bridges(returns, rays, noise, sweep);
+  doubt_links(returns, noise, sweep);
 }
 
 void mark_mixed_pixels(const BeamRays& rays, double noise, PlacedScan& sweep) {

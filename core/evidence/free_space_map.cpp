@@ -178,13 +178,16 @@ void FreeSpaceMap::place_beams(const float* dx, const float* dy, std::size_t bea
   double step = static_cast<double>(step_from(0)) * per_rad;
   // The outer halves of the first and the last beam are as wide as their inner halves. Both beams at a border
   // use the same number for it, so that every cell belongs to exactly one beam.
-  double border = at - step / 2;
+  // Of a full circle they are neighbours.
+  const double seam = static_cast<double>(wrapped(azimuth(0) - azimuth(last))) * per_rad;
+  closed_ = last > 1 && std::fabs(seam) < 1.5 * std::fabs(step);
+  double border = at - (closed_ ? seam : step) / 2;
   half_beam_ = static_cast<float>(step / 2);
   for (std::size_t beam = 0; beam < beams; ++beam) {
-    add_slots(beam, beam > 0 ? beam - 1 : beam, beam > 0 ? beam - 1 : last, at, border);
+    add_slots(beam, beam > 0 ? beam - 1 : closed_ ? last : beam, beam > 0 ? beam - 1 : last, at, border);
     if (beam < last) step = static_cast<double>(step_from(beam)) * per_rad;
-    border = at + step / 2;
-    add_slots(beam, std::min(beam + 1, last), beam, at, border);
+    border = at + (beam == last && closed_ ? seam : step) / 2;
+    add_slots(beam, beam < last ? beam + 1 : closed_ ? 0 : last, beam, at, border);
     at += step;
     // Beyond a wide step the sum of steps is not the direction.
     if (beam < last && step == 0) at = border = (static_cast<double>(azimuth(beam + 1)) + pi_d) * per_rad;
@@ -207,7 +210,7 @@ void FreeSpaceMap::fill(const PlacedScan& sweep) {
   const Return* const kinds = sweep.kind.data();
   for (const Slot& slot : slots_) {
     const float to = ends[slot.beam], other = ends[slot.neighbour];
-    const bool linked = sweep.linked[slot.link] != 0;
+    const bool linked = sweep.linked[slot.link] == PlacedScan::linked_surely;
     // The neighbour's object may extend into the cell.
     const bool cut = !linked && kinds[slot.neighbour] != Return::nothing && other > 0 && other < to &&
                      slot.share > passed_share_;
@@ -241,14 +244,14 @@ void FreeSpaceMap::limit(float begin, float end, float from, float a, float b, b
   }
 }
 
-void FreeSpaceMap::limit_pair(const PlacedScan& sweep, std::size_t beam, float step) {
+void FreeSpaceMap::limit_pair(const PlacedScan& sweep, std::size_t beam, std::size_t after, float step) {
   const float at = azimuths_[beam];
   const float to = lengths_[beam];
-  const float next = lengths_[beam + 1];
-  const float from = std::max(begins_[beam], begins_[beam + 1]);
+  const float next = lengths_[after];
+  const float from = std::max(begins_[beam], begins_[after]);
   const bool nearer = to <= next;
-  const bool hides = sweep.kind[nearer ? beam : beam + 1] != Return::nothing;
-  if (sweep.linked[beam] != 0) {
+  const bool hides = sweep.kind[nearer ? beam : after] != Return::nothing;
+  if (sweep.linked[beam] == PlacedScan::linked_surely) {
     limit(at, at + step, from, to, next, hides);
     return;
   }
@@ -258,8 +261,35 @@ void FreeSpaceMap::limit_pair(const PlacedScan& sweep, std::size_t beam, float s
   const float begin = nearer ? at : at + step, end = nearer ? at + step : at;
   const float border = nearer ? end - passed : end + passed;
   limit(begin, border, from, shorter, shorter, hides);
-  limit(border, end, begins_[nearer ? beam + 1 : beam], longer, longer,
-        sweep.kind[nearer ? beam + 1 : beam] != Return::nothing);
+  if (hides) {
+    // The farther beam has moved towards the object, which ends where that beam passed it.
+    const float reach = 2 * half_beam_ * (1 - passed_share_);
+    limit(begin, nearer ? begin + reach : begin - reach, from, shorter, shorter, true);
+  }
+  limit(border, end, begins_[nearer ? after : beam], longer, longer,
+        sweep.kind[nearer ? after : beam] != Return::nothing);
+}
+
+/// Beside the outermost beam of a field, and beside beams without evidence, nobody has seen the strip between
+/// the scanner's present place and the way of the beam, which began elsewhere. `outward`: cells to that side.
+void FreeSpaceMap::begin_later(const PlacedScan& sweep, std::size_t beam, float outward) {
+  constexpr float housing = 0.3F;  // m from the scanner
+  const float x = sweep.free_x[beam], y = sweep.free_y[beam];
+  const float dx = sweep.origin_x[beam], dy = sweep.origin_y[beam];
+  const float length = std::max(std::hypot(x - dx, y - dy), 1e-3F);
+  // m by which the scanner is beside the beam's line, on the side that was not seen.
+  const float aside = (outward > 0 ? 1.0F : -1.0F) * (dx * y - dy * x) / length;
+  if (aside < 0.005F) return;
+  const auto count = static_cast<std::int32_t>(size());
+  const float end = std::min(aside / housing, 1.5F) * per_rad_;
+  for (float inward = 0; inward <= end; ++inward) {
+    const auto cell = static_cast<std::int32_t>(azimuths_[beam] + (outward > 0 ? -inward : inward));
+    const auto inside = static_cast<std::size_t>(cell < 0        ? cell + count
+                                                 : cell >= count ? cell - count
+                                                                 : cell);
+    const float angle = inward / per_rad_;
+    starts_[inside] = std::max(starts_[inside], aside / (std::sin(angle) + aside / length));
+  }
 }
 
 void FreeSpaceMap::fill_moved(const PlacedScan& sweep) {
@@ -270,33 +300,39 @@ void FreeSpaceMap::fill_moved(const PlacedScan& sweep) {
   const float per_rad = per_rad_;
   const float *const x = sweep.free_x.data(), *const y = sweep.free_y.data(),
                      *const to = sweep.free_to.data(), *const from = sweep.free_from.data(),
-                     *const moved = sweep.origin_moved.data();
+                     *const origin_x = sweep.origin_x.data(), *const origin_y = sweep.origin_y.data();
   float *const azimuths = azimuths_.data(), *const lengths = lengths_.data(), *const begins = begins_.data();
   for (std::size_t i = 0; i < beams; ++i) {
     const float length = std::sqrt(x[i] * x[i] + y[i] * y[i]);
     azimuths[i] = (fast_atan2(y[i], x[i]) + static_cast<float>(pi_d)) * per_rad;
     lengths[i] = to[i] > 0 ? length : 0;
-    begins[i] = from[i] > 0 ? from[i] + moved[i] : 0;
+    begins[i] = from[i] > 0 ? from[i] + std::fabs(origin_x[i]) + std::fabs(origin_y[i]) : 0;
   }
   const auto is_free = [&](std::size_t i) { return i < beams && lengths_[i] > 0; };
   for (std::size_t i = 0; i < beams; ++i) {
     if (!is_free(i)) continue;
     const float at = azimuths_[i];
     const bool hides = sweep.kind[i] != Return::nothing;
-    if (i == 0 || !is_free(i - 1)) limit(at - half_beam_, at, begins_[i], lengths_[i], lengths_[i], hides);
-    if (!is_free(i + 1)) {
+    const std::size_t before = i > 0 ? i - 1 : closed_ ? beams - 1 : beams;
+    const std::size_t after = i + 1 < beams ? i + 1 : closed_ ? 0 : beams;
+    if (!is_free(before)) {
+      limit(at - half_beam_, at, begins_[i], lengths_[i], lengths_[i], hides);
+      begin_later(sweep, i, -half_beam_);
+    }
+    if (!is_free(after)) {
       limit(at, at + half_beam_, begins_[i], lengths_[i], lengths_[i], hides);
+      begin_later(sweep, i, half_beam_);
       continue;
     }
-    float step = azimuths_[i + 1] - at;
+    float step = azimuths_[after] - at;
     if (step > count / 2) step -= count;
     if (step < -count / 2) step += count;
     if (std::fabs(step) < widest_step * per_rad_) {
-      limit_pair(sweep, i, step);
+      limit_pair(sweep, i, after, step);
       continue;
     }
     // What is near has moved away from its neighbours in direction; it still hides what is behind.
-    for (const std::size_t k : {i, i + 1}) {
+    for (const std::size_t k : {i, after}) {
       if (sweep.kind[k] == Return::nothing) continue;
       limit(azimuths_[k] - 2 * half_beam_, azimuths_[k] + 2 * half_beam_, begins_[k], lengths_[k],
             lengths_[k], true);

@@ -101,6 +101,8 @@ class FreeSpaceMap {
     // NOLINTNEXTLINE(bugprone-incorrect-roundings)
     return units < 65534.0F ? static_cast<std::uint16_t>(units + 0.5F) : std::uint16_t{65534};
   }
+  /// True if something is known to be free in that direction.
+  bool has_evidence(Place at) const { return runs_[at.cell].from != ordered(0xFFFF); }
   bool is_free(Place at) const { return runs_[at.cell].is_free(at.distance); }
   /// True if the straight way between two places is free. Needs up-to-date runs().
   bool is_free(Place a, Place b) const {
@@ -154,7 +156,8 @@ class FreeSpaceMap {
   void span_of(std::uint16_t a, std::uint16_t b, std::size_t& first, std::size_t& count) const;
   /// fill() for a moving vehicle: the ends of the beams may lie in any order.
   void fill_moved(const PlacedScan& sweep);
-  void limit_pair(const PlacedScan& sweep, std::size_t beam, float step);
+  void limit_pair(const PlacedScan& sweep, std::size_t beam, std::size_t after, float step);
+  void begin_later(const PlacedScan& sweep, std::size_t beam, float outward);
   /// Limits the free ways in cells [begin, end] (cells from -pi; either may be the larger) to lengths that
   /// change from `a` to `b`.
   void limit(float begin, float end, float from, float a, float b, bool hides);
@@ -167,6 +170,7 @@ class FreeSpaceMap {
   float per_meter_ = 1;
   float per_rad_ = 1;                 // cells
   float half_beam_ = 0;               // cells to the border to the next beam, signed
+  bool closed_ = false;               // the last beam is the neighbour of the first one
   float passed_share_ = 0;            // share of the angle between two beams that belongs to the longer one
   std::vector<char> hides_;           // per cell: the free way ends at a return
   std::vector<Run> runs_;             // by length (1, 2, 4 ... cells), then by first cell

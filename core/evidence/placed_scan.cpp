@@ -185,7 +185,7 @@ Eigen::Vector3d ray_of(const BeamRays& rays, std::size_t beam) {
 
 /// Places returns and the ends of free ways of the beams of a stretch, in one component of the plane.
 void place_stretch(const BeamRays& rays, const SweepMotion::Stretch& stretch, Eigen::Index row,
-                   PlacedScan& sweep, float* at, float* free_end) {
+                   PlacedScan& sweep, float* at, float* free_end, float* origin) {
   const Eigen::Vector4d here = rays.pose.translation().homogeneous();
   const double own = here[row], from = stretch.from.row(row) * here, change = stretch.change.row(row) * here;
   const Eigen::Vector4d turn = stretch.from.row(row), turning = stretch.change.row(row);
@@ -199,7 +199,7 @@ void place_stretch(const BeamRays& rays, const SweepMotion::Stretch& stretch, Ei
     const auto end = static_cast<double>(sweep.free_to[beam] / rays.level[beam]);
     at[beam] = static_cast<float>(begin + static_cast<double>(sweep.range[beam]) * ray);
     free_end[beam] = static_cast<float>(begin + end * ray - own);
-    sweep.origin_moved[beam] += static_cast<float>(std::fabs(begin - own));
+    origin[beam] = static_cast<float>(begin - own);
   }
 }
 
@@ -208,10 +208,11 @@ void place_moving(const BeamRays& rays, const SweepMotion& motion, PlacedScan& s
   const Eigen::Vector3d& here = rays.pose.translation();
   sweep.free_x.resize(sweep.kind.size());
   sweep.free_y.resize(sweep.kind.size());
-  sweep.origin_moved.assign(sweep.kind.size(), 0);
+  sweep.origin_x.resize(sweep.kind.size());
+  sweep.origin_y.resize(sweep.kind.size());
   for (const SweepMotion::Stretch& stretch : motion.stretches()) {
-    place_stretch(rays, stretch, 0, sweep, sweep.x.data(), sweep.free_x.data());
-    place_stretch(rays, stretch, 1, sweep, sweep.y.data(), sweep.free_y.data());
+    place_stretch(rays, stretch, 0, sweep, sweep.x.data(), sweep.free_x.data(), sweep.origin_x.data());
+    place_stretch(rays, stretch, 1, sweep, sweep.y.data(), sweep.free_y.data(), sweep.origin_y.data());
   }
   for (const PlacedScan::EarlyReturn& early : sweep.early_returns) {
     const Eigen::Vector3d p =

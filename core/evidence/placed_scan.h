@@ -68,7 +68,10 @@ struct PlacedScan {
   std::vector<float> range;  ///< m along the beam
   std::vector<Return> kind;
   std::vector<float> intensity;  ///< empty, or as long as range
-  std::vector<char> linked;      ///< beam i and i + 1 lie on one surface
+  /// `near`: the returns of beams i and i + 1 are near to each other, but no third return shows one surface.
+  /// It is drawn, but what lies before it is not free.
+  enum Link : char { apart, linked_surely, near };
+  std::vector<char> linked;      ///< Link: beams i and i + 1 lie on one surface
   std::vector<float> free_from;  ///< m level from the source; the beam is free from here
   std::vector<float> free_to;    ///< to here; 0: no evidence
   std::vector<EarlyReturn> early_returns;
@@ -82,7 +85,7 @@ struct PlacedScan {
   std::vector<Point> early_echoes;    ///< places of the early returns
   bool moved = false;                 ///< the vehicle moved; free_x and free_y are valid
   std::vector<float> free_x, free_y;  ///< m from the source's place at the instant to the end of the free way
-  std::vector<float> origin_moved;    ///< m, of each beam at most, to that place
+  std::vector<float> origin_x, origin_y;  ///< m from that place to where each beam began
 };
 
 /// Fills `sweep` from a scan (conditioning, continuity, mixed pixels), except for the members in the output

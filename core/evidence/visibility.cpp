@@ -175,7 +175,10 @@ std::size_t Visibility::free_run(std::size_t source, std::size_t beam, std::size
 /// From some place no return hides part `part` of a step.
 bool Visibility::is_open_to_some(const Walk& walk, std::size_t part) const {
   for (std::size_t row = 0; row < rows_; ++row) {
-    bool open = maps_[row].size() > 0;
+    const Parts& parts = parts_[row];
+    // A source that did not look there is no witness.
+    bool open = maps_[row].size() > 0 && maps_[row].has_evidence(parts[part]) &&
+                maps_[row].has_evidence(parts[part + 1]);
     for (std::size_t s = row; s < walk.sources && open; s += rows_)
       open = maps_[s].hidden_by(parts_[row][part], parts_[row][part + 1]) == infinite;
     if (open) return true;

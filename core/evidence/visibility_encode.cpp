@@ -15,8 +15,13 @@ bool Visibility::is_seen_all_along(std::size_t beam) const {
                     [&](const Inside& body) { return at > table_.edge(body.from) && at < body.end; }))
       continue;
     bool seen = false;
-    for (std::size_t s = 0; s < observing_ && !seen; ++s)
-      seen = maps_[s].size() > 0 && maps_[s].is_free(place_at(s, beam, at));
+    // A beam may lie on the border of two cells.
+    for (const float turn : {-1e-5F, 1e-5F}) {
+      const float c = raster_.cosine(beam) - turn * raster_.sine(beam);
+      const float d = raster_.sine(beam) + turn * raster_.cosine(beam);
+      for (std::size_t s = 0; s < observing_ && !seen; ++s)
+        seen = maps_[s].size() > 0 && maps_[s].is_free(maps_[s].place_of(at * c, at * d));
+    }
     if (!seen) return false;
   }
   return true;

@@ -73,7 +73,8 @@ void Scheduler::delivered(std::size_t index, Stamp end, double period, Stamp now
     learn_period(source, seconds(end - source.end));
     source.delay += smoothing * (delay - source.delay);
   } else {
-    if (std::isfinite(period) && period > 0) source.period = period;
+    constexpr double slowest_s = 1;  // what a message says may be in another unit
+    if (std::isfinite(period) && period > 0) source.period = std::min(period, slowest_s);
     source.delay = delay;
   }
   source.seen = source.fresh = true;

@@ -40,7 +40,7 @@ LIDARD_CLONES void CutEvidence::mark_beams() {
     const int point = kinds[i] == Beam::point ? 1 : 0;
     const int ends = point | (kinds[i] == Beam::none ? 1 : 0);
     const int beyond = from_above ? (heights[i] < level ? 1 : 0) : (heights[i] > level ? 1 : 0);
-    const int thing = point & (grounds[i] != 0 ? 0 : 1);
+    const int thing = point & (grounds[i] == Ground::sure ? 0 : 1);
     own[i] = static_cast<std::uint8_t>(known * ends | crosses * (ends & beyond) | meets * (thing & beyond));
   }
   std::uint8_t* const marks = marks_.data();
@@ -106,8 +106,8 @@ inline CutEvidence::Ray CutEvidence::ray(std::size_t i) const {
 }
 
 inline void CutEvidence::add(const Ray& first, const Ray& seen_along, End end) {
-  const Piece free =
-      end.at > farthest_ ? Piece{first.at, farthest_, true} : Piece{first.at, end.at, end.hides};
+  const float from = std::max(first.at, looked_from_);
+  const Piece free = end.at > farthest_ ? Piece{from, farthest_, true} : Piece{from, end.at, end.hides};
   const auto nearest = static_cast<std::uint32_t>(first.beam),
              along = static_cast<std::uint32_t>(seen_along.beam);
   if (free.exists()) free_.push_back({free, nearest, along});
@@ -119,7 +119,8 @@ inline void CutEvidence::add(const Ray& first, const Ray& seen_along, End end) {
 void CutEvidence::add_blind(std::size_t lowest) {
   const Ray along = ray(lowest);
   const End end = end_abreast(lowest);
-  blind_ = end.at < along.at && end.hides ? Piece{0, end.at, true} : Piece{0, along.at, false};
+  blind_ = end.at < along.at && end.hides ? Piece{0, end.at, true}
+                                          : Piece{0, std::max(along.at, looked_from_), false};
   add(along, along, {-1, false});
 }
 
@@ -207,6 +208,17 @@ void CutEvidence::claim_wedges() {
   for (auto* list : {&free_, &blinds_, &overs_}) list->clear();
 }
 
+/// While the vehicle drove the beams began in different places, and what one column met may stand in the way
+/// of another one's.
+void CutEvidence::end_at_things() {
+  each_cell(things_, [](Cell& at, const Piece& thing) {
+    for (Piece& free : at.free) {
+      if (free.exists() && free.from <= thing.to && free.to > thing.to) free = {free.from, thing.to, true};
+    }
+  });
+  things_.clear();
+}
+
 /// Claims a piece that spans several directions, part by part.
 void CutEvidence::claim_tilted(const Piece& piece, float begin, float azimuth) {
   const auto turn = static_cast<float>(cells_.size());
@@ -230,7 +242,7 @@ float CutEvidence::wall_in_band(std::size_t column) const {
   float nearest = infinite;
   for (std::size_t r = 0; r < grid.rings(); ++r) {
     const std::size_t i = grid.index(column, r);
-    if (grid.kind[i] != Beam::point || view_->ground().is_ground[i] != 0) continue;
+    if (grid.kind[i] != Beam::point || view_->ground().is_ground[i] == Ground::sure) continue;
     const auto height = static_cast<double>(view_->heights()[i]);
     if (!(height >= band_.min && height <= band_.max)) continue;
     nearest = std::min(nearest, end_of(i));
@@ -238,10 +250,26 @@ float CutEvidence::wall_in_band(std::size_t column) const {
   return nearest;
 }
 
+/// m from where on a column's beams have looked at all of the band: nearer its upper limit is above the
+/// topmost beam of a lidar that stands in the band.
+float CutEvidence::whole_band_from(std::size_t column) const {
+  const float sensor = view_->level() + view_->sensor_above();
+  const auto top = static_cast<float>(band_.max), bottom = static_cast<float>(band_.min);
+  if (!(bottom < sensor && sensor < top && std::isfinite(top))) return 0;
+  for (std::size_t r = rings_; r-- > 0;) {
+    const std::size_t i = view_->grid().index(column, r);
+    if ((own_marks_[i] & known) == 0) continue;
+    const float rise = view_->heights()[i] - sensor;
+    return rise > 0 ? end_of(i) * (top - sensor) / rise : infinite;
+  }
+  return infinite;
+}
+
 /// True if the object that the crossing beam `before` hits beyond the plane may reach the plane under the
 /// neighbouring beam. The ground does not, nor does an object that is known to be lower.
 bool CutEvidence::is_hidden(std::size_t before, std::size_t upper) const {
-  if (view_->grid().kind[before] != Beam::point || view_->ground().is_ground[before] != 0) return false;
+  if (view_->grid().kind[before] != Beam::point || view_->ground().is_ground[before] == Ground::sure)
+    return false;
   return tops_->verdicts()[upper] != PlaneTops::stays_below;
 }
 
@@ -249,6 +277,7 @@ void CutEvidence::find_wedges(std::size_t column) {
   const std::size_t base = view_->grid().index(column, 0);
   const std::uint8_t* const marks = marks_.data();
   farthest_ = wall_in_band(column);
+  looked_from_ = whole_band_from(column);
   const auto mark = [&](std::size_t k) { return marks[beam(base, k)]; };
   const auto thing_before = [&](std::size_t next, std::size_t last) {
     return next < rings_ ? thing_abreast(last) : End{infinite, true};
@@ -263,7 +292,7 @@ void CutEvidence::find_wedges(std::size_t column) {
     while (k < rings_ && (mark(k) & crosses) == 0) ++k;
     if (k == rings_) return;
     Ray first = ray(beam(base, k));
-    if (nearest) blind_ = {0, first.at, false};
+    if (nearest) blind_ = {0, std::max(first.at, looked_from_), false};
     std::size_t last = beam(base, k++);
     End thing = thing_before(k, last);
     for (; k < rings_ && (mark(k) & crosses) != 0; last = beam(base, k++), thing = thing_before(k, last)) {
@@ -289,6 +318,8 @@ void CutEvidence::end_wedge(const Ray& first, std::size_t last, std::size_t next
   const bool ended = thing.at < end.at;
   const End free_end = ended ? End{std::max(ray(last).at, thing.at), true} : end;
   add(first, seen_along, free_end);
+  if (view_->grid().moved && free_end.hides)
+    things_.push_back({{0, free_end.at, true}, 0, static_cast<std::uint32_t>(ended ? last : next)});
   const std::uint8_t top = tops_->verdicts()[next];
   const float from = std::min(free_end.at, farthest_);
   if (crosses_too && ended && from <= end.at && (top == PlaneTops::none || top == PlaneTops::likely_below))
@@ -335,6 +366,7 @@ void CutEvidence::find(const PlaneView& view, const PlaneTops& tops, HeightBand 
     if (free_.size() + blinds_.size() >= block || c + 1 == view.grid().columns()) claim_wedges();
   }
   fill_holes();
+  end_at_things();
   for (std::size_t k = 0; k < cells_.size(); ++k) {
     for (std::size_t p = 0; p < pieces; ++p) {
       // A way from a cell with two pieces to one with one must stay within one map to be free.

@@ -102,6 +102,7 @@ class CutEvidence {
   bool is_hidden(std::size_t before, std::size_t upper) const;
   /// Claims the wedges found so far.
   void claim_wedges();
+  void end_at_things();
   /// Calls use(cell, piece) for all cells of non-tilted wedges.
   template <class Use>
   void each_cell(const std::vector<Wedge>& wedges, Use use);
@@ -110,6 +111,7 @@ class CutEvidence {
                      std::vector<float>& azimuths);
   Cells cells_at(float azimuth) const;
   float wall_in_band(std::size_t column) const;
+  float whole_band_from(std::size_t column) const;
   void claim(Cells cells, const Piece& piece);
   void claim(Cell& cell, const Piece& piece) const;
   Cell& cell(std::size_t counted) {
@@ -125,6 +127,7 @@ class CutEvidence {
   std::vector<Wedge> free_;              // the free pieces,
   std::vector<Wedge> blinds_;            // what no beam of a column sees,
   std::vector<Wedge> overs_;             // and ways over objects that are likely lower than the plane
+  std::vector<Wedge> things_;            // where free pieces end at objects, while the vehicle drove
   std::vector<float> x_, y_, azimuths_;  // of the wedges; cells from -pi
   std::vector<float> begins_;            // azimuths of the wedges' first beams, for a tilted plane
   std::size_t rings_ = 0;
@@ -132,6 +135,7 @@ class CutEvidence {
   std::array<float, 6> axes_{};  // of the frame's x and y in the cloud's frame
   Piece blind_{};                // of the next wedge
   float farthest_ = 0;           // m, nearest object in the band, of the current column
+  float looked_from_ = 0;        // m, whole_band_from() of the current column
   const PlaneView* view_ = nullptr;
   const PlaneTops* tops_ = nullptr;
   float sensor_ = 0;  // m, distance from the plane

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "core/base/bytes.h"
 #include "core/base/clones.h"
@@ -61,7 +62,7 @@ LIDARD_CLONES void PlaneView::set_level(float level) {
   std::uint8_t* const sides = sides_.data();
   for (std::size_t i = 0; i < cells; ++i) {
     const int where = heights[i] < level ? below : above_it;
-    const int all = where + on_ground * grounds[i];
+    const int all = where + on_ground * (grounds[i] != Ground::none ? 1 : 0);
     sides[i] = static_cast<std::uint8_t>(kinds[i] == Beam::point ? all : 0);
   }
   std::copy_n(sides, grid_->rings(), sides + cells);
@@ -96,6 +97,9 @@ constexpr float likely_reach = 0.33F;
 constexpr float flat_width = 0.6F;
 // m; where the next ring meets something beneath the plane no farther behind, it may meet the object's top.
 constexpr float deepest_top = 3;
+// m above the plane; a thing that ends lower may be overlooked.
+constexpr float flush = 0.1F;
+constexpr float same_end = 0.2F;     // m; so far aside a thing ends at about the same height
 constexpr float flat_slack = 0.02F;  // m, of height, and of distance beside the noise
 
 }  // namespace
@@ -136,6 +140,21 @@ LIDARD_CLONES void PlaneTops::mark_steps(const PlaneView& view) {
   }
 }
 
+namespace {
+
+/// Columns of `width` m at `distance` m.
+std::size_t columns_of(const PlaneView& view, float width, float distance) {
+  return static_cast<std::size_t>(static_cast<double>(width / distance) / view.grid().step());
+}
+
+}  // namespace
+
+/// m above the plane at which a beam passes over the return of the beam beneath it.
+float PlaneTops::passing_over(const PlaneView& view, std::size_t upper) {
+  const float sensor = view.sensor_above();
+  return sensor + (view.above(upper) - sensor) * view.distance(upper - 1) / view.distance(upper);
+}
+
 void PlaneTops::add_step(const PlaneView& view, std::size_t column, std::size_t upper) {
   const std::size_t lower = upper - 1;
   const std::size_t ring = upper - view.grid().index(column, 0);
@@ -143,18 +162,20 @@ void PlaneTops::add_step(const PlaneView& view, std::size_t column, std::size_t 
   const float share = near / view.distance(upper);
   const float sensor = view.sensor_above();
   const float here = view.above(lower);
-  const float passing = sensor + (view.above(upper) - sensor) * share;
+  const float passing = passing_over(view, upper);
   const bool stands =
       (view.sides()[upper] & (PlaneView::both_sides | PlaneView::on_ground)) == PlaneView::above_it;
   if (stands && here >= 0 && sensor * share + (here - sensor) < 0) verdicts_[upper] = hides;
   std::vector<Run>& runs = runs_[ring];
+  // A beam that dips beneath the plane says nothing of the other columns.
+  const float over = passing > 0 ? passing : std::numeric_limits<float>::infinity();
   if (runs.empty() || runs.back().end < column || !view.links().level(column - 1, ring - 1)) {
-    runs.push_back({column, column + 1, here, passing, near});
+    runs.push_back({column, column + 1, here, over, near});
     return;
   }
   Run& run = runs.back();
   run.top = std::max(run.top, here);
-  run.passing = std::min(run.passing, passing);
+  run.passing = std::min(run.passing, over);
   run.nearest = std::min(run.nearest, near);
   ++run.end;
 }
@@ -167,9 +188,23 @@ PlaneTops::Shape PlaneTops::shape_of(const PlaneView& view, std::size_t ring, co
   float count = 0, faces = 0, tops = 0;
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (std::size_t c = run.first; c < run.end; ++c) {
+  const auto beyond_nearest = [&](std::size_t c) {
+    return view.distance(grid.index(c, ring) - 1) - run.nearest;
+  };
+  // The columns around the nearest return alone: the feet of two walls that meet have no common bend.
+  std::size_t nearest = run.first;
+  while (nearest + 1 < run.end && beyond_nearest(nearest) > 0) ++nearest;
+  const std::size_t gap = columns_of(view, flat_width, run.nearest);
+  std::size_t first = nearest, end = nearest + 1;
+  for (std::size_t c = nearest; c-- > run.first && first - c <= gap + 1;) {
+    if (beyond_nearest(c) <= slack) first = c;
+  }
+  for (std::size_t c = nearest + 1; c < run.end && c - end <= gap; ++c) {
+    if (beyond_nearest(c) <= slack) end = c + 1;
+  }
+  for (std::size_t c = first; c < end; ++c) {
     const std::size_t i = grid.index(c, ring) - 1;
-    const float beyond = view.distance(i) - run.nearest;
+    const float beyond = beyond_nearest(c);
     if (beyond > slack) continue;
     ++count;
     const double azimuth = (static_cast<double>(c) - middle) * grid.step();
@@ -178,7 +213,10 @@ PlaneTops::Shape PlaneTops::shape_of(const PlaneView& view, std::size_t ring, co
     sum += terms * static_cast<double>(beyond);
     const bool below_plane =
         (view.sides()[i + 1] & (PlaneView::below | PlaneView::on_ground)) == PlaneView::below;
-    const bool may_be_top = ground.height[i + 1] > ground.height[i] - flat_slack &&
+    // The return behind may belong to another thing, unless both lie on one level, or the beam passes so low
+    // that the nearer thing hardly reaches the plane.
+    const float rise = ground.height[i + 1] - ground.height[i];
+    const bool may_be_top = rise > -flat_slack && (rise < flat_slack || passing_over(view, i + 1) < flush) &&
                             (ring + 1 >= grid.rings() || steps_[i + 2] == step);
     tops += below_plane && may_be_top && view.distance(i + 1) - view.distance(i) < deepest_top ? 1.0F : 0.0F;
     if (ring < 2 || grid.kind[i - 1] != Beam::point) continue;
@@ -201,7 +239,7 @@ void PlaneTops::judge(const PlaneView& view, std::size_t ring, const Run& run) {
   const bool above = run.top >= 0;
   const Shape shape = above ? Shape::uneven : shape_of(view, ring, run);
   Verdict verdict = none;
-  if (run.passing <= 0 || shape == Shape::top)
+  if (shape == Shape::top)
     verdict = stays_below;
   else if (shape == Shape::face || shape == Shape::top_or_face ||
            (!above && -run.top > (1 - likely_reach) * room))
@@ -212,6 +250,17 @@ void PlaneTops::judge(const PlaneView& view, std::size_t ring, const Run& run) {
     const std::size_t i = view.grid().index(c, ring);
     if (shape == Shape::face) steps_[i] = over_face;
     if (verdicts_[i] != hides) verdicts_[i] = verdict;
+  }
+  // Where the beam above dips beneath the plane the thing ends below it, and so does what is near.
+  const std::size_t aside = columns_of(view, same_end, run.nearest);
+  std::size_t done = run.first;
+  for (std::size_t c = run.first; c < run.end; ++c) {
+    if (passing_over(view, view.grid().index(c, ring)) > 0) continue;
+    const std::size_t end = std::min(run.end, c + aside + 1);
+    for (done = std::max(done, c > aside ? c - aside : 0); done < end; ++done) {
+      std::uint8_t& at = verdicts_[view.grid().index(done, ring)];
+      if (at != hides) at = stays_below;
+    }
   }
 }
 

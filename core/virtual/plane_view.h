@@ -110,7 +110,7 @@ class PlaneTops {
   struct Run {
     std::size_t first = 0, end = 0;  // columns [first, end)
     float top = 0;                   // m above the plane, the highest return
-    float passing = 0;               // m above the plane, the lowest beam that passes over it
+    float passing = 0;               // m above the plane, the lowest beam that passes over it and stays above
     float nearest = 0;               // m from the sensor
   };
   /// What most returns of a run lie on. A ring meets a level top at one distance, or meets the face beneath
@@ -119,6 +119,7 @@ class PlaneTops {
   /// conceal which of the two a run is.
   enum class Shape : std::uint8_t { uneven, top, face, top_or_face };
   void mark_steps(const PlaneView& view);
+  static float passing_over(const PlaneView& view, std::size_t upper);
   void add_step(const PlaneView& view, std::size_t column, std::size_t upper);
   void judge(const PlaneView& view, std::size_t ring, const Run& run);
   Shape shape_of(const PlaneView& view, std::size_t ring, const Run& run) const;

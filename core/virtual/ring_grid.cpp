@@ -55,6 +55,7 @@ void RingGrid::set_footprint(const Footprint& own, const Pose& vehicle_from_clou
 bool RingGrid::organise(const Cloud& cloud, const CloudMotion* motion) {
   early.clear();
   why_not_ = "";
+  moved = motion != nullptr && !motion->stands();
   by_azimuth_ = !fires_in_columns(cloud);
   if (!by_azimuth_) {
     organise_columns(cloud, motion);

@@ -100,6 +100,7 @@ class RingGrid {
   std::vector<float> range;  ///< m from the sensor
   std::vector<Beam> kind;
   std::vector<BeamEnd> early;     ///< earlier returns of firings
+  bool moved = false;             ///< the vehicle drove while the cloud was measured
   std::uint64_t own_returns = 0;  ///< returns from the vehicle, since the start
   std::uint64_t misplaced = 0;    ///< points without a place in the grid, since the start
 

@@ -98,13 +98,22 @@ void find_slope(const RingGrid& grid, const GroundSettings& settings, Ground& gr
   for (std::size_t c = 0; c < grid.columns(); ++c) {
     float height = 0;
     float distance = 0;
+    std::size_t last = 0;
+    float slope = -1;  // of the step to the last return, if it is a rise
     for (std::size_t r = 0; r < grid.rings(); ++r) {
       const std::size_t i = grid.index(c, r);
       if (grid.kind[i] != Beam::point) continue;
       const float level = ground.distance[i];
+      const float rise = ground.height[i] - height;
       const float rise_allowed = std::min(steepest * std::fabs(level - distance), most_rise);
-      if (std::fabs(ground.height[i] - height) > rise_allowed + slack) continue;
-      ground.is_ground[i] = 1;
+      if (std::fabs(rise) > rise_allowed + slack) continue;
+      // A slope goes on; a thing that one ring alone meets does not.
+      if (slope >= 0 && ground.height[i] - ground.height[last] >= slope / 2 * (level - ground.distance[last]))
+        ground.is_ground[last] = Ground::sure;
+      const bool rises = rise > slack;
+      slope = rises ? rise / std::max(level - distance, 0.01F) : -1;
+      ground.is_ground[i] = rises ? Ground::rise : Ground::sure;
+      last = i;
       // Otherwise a wall would be climbed in small steps.
       if (level - distance < least_advance) continue;
       height = ground.height[i];

@@ -71,7 +71,10 @@ struct GroundSettings {
 /// The ground of one cloud, shared by all frames that are cut from it.
 struct Ground {
   bool known = false;
-  std::vector<char> is_ground;  ///< by RingGrid::index()
+  /// `rise`: ground of a slope that no farther return of the column confirms. It is no surface of an object,
+  /// but proves nothing free: it may be the face of a low thing.
+  enum Kind : char { none, sure, rise };
+  std::vector<char> is_ground;  ///< Kind, by RingGrid::index()
   std::vector<float> height;    ///< m above z
   std::vector<float> distance;  ///< m from the sensor, level
   float sensor = 0;             ///< m, the sensor's height above z

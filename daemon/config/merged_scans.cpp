@@ -171,6 +171,11 @@ Merged read_merged(const std::string& name, const Value& entry, Reading& reading
                                               : source.virtual_group->output.grid);
   default_ranges(limits, merged.output.grid);
   read_keys(yaml, merged_keys(), merged, mistakes);
+  mistakes.attempt([&] {
+    if (merged.destination_frame == reading.config.vehicle.odometry_frame)
+      yaml.where("destination_frame")
+          .fail("is vehicle.odometry_frame", "a frame that moves with the vehicle");
+  });
   mistakes.attempt([&] { read_also(yaml, merged.also); });
   if (has_sources) mistakes.attempt([&] { read_source_settings(yaml, sources.written, merged); });
   // The rules between keys need all of them.

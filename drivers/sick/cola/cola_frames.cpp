@@ -166,6 +166,7 @@ ColaCloudBuilder::ColaCloudBuilder(const DriverConfig& config, const ColaRow& ro
       range_max_(config.max_range > 0 ? std::min(config.max_range, config.model->range_max)
                                       : config.model->range_max) {
   cloud_.frame_id = config.frame_id;
+  cloud_.max_range = config.max_range;
   cloud_.rings = planes.size();
 }
 

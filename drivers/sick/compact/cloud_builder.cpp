@@ -24,7 +24,10 @@ class CloudBuilder final : public FrameBuilder {
     const double most = config.max_range > 0 ? config.max_range : config.model->range_max;
     nearest_ = least;
     farthest_ = std::min(most, config.model->range_max);
-    for (OpenCloud& open : open_) open.cloud.frame_id = config.frame_id;
+    for (OpenCloud& open : open_) {
+      open.cloud.frame_id = config.frame_id;
+      open.cloud.max_range = config.max_range;
+    }
   }
 
   Reject check(const Segment& /*segment*/) override { return Reject::none; }

@@ -49,7 +49,8 @@ struct Fan {
   /// The free ways end where the vehicle sees them from now, `by` m farther to the left than at the sweep.
   void move(double by = 0) {
     sweep.moved = true;
-    sweep.origin_moved.assign(beams(), static_cast<float>(by));
+    sweep.origin_x.assign(beams(), 0);
+    sweep.origin_y.assign(beams(), static_cast<float>(-by));
     sweep.free_x.clear();
     sweep.free_y.clear();
     for (std::size_t i = 0; i < beams(); ++i) {

@@ -143,7 +143,8 @@ TEST(CloudMotion, BetweenItsBordersAPointTenMetresAwayIsTwoMicrometresOffAtMost)
       const double after = share * length_us * 1e-6;
       const double turn = rate * (after - length_us * 1e-6);
       const Eigen::Vector3d truth(10 * std::cos(turn), 10 * std::sin(turn), 0);
-      EXPECT_LT((motion.at(after) * Eigen::Vector3d(10, 0, 0) - truth).norm(), 2e-6) << length_us << ' ' << share;
+      EXPECT_LT((motion.at(after) * Eigen::Vector3d(10, 0, 0) - truth).norm(), 2e-6)
+          << length_us << ' ' << share;
     }
   }
 }
@@ -261,6 +262,9 @@ void expect_walls(const Cut& cut, const PlanarScan& scan, const Pose& virtual_in
   EXPECT_LE(static_cast<double>(silent), most_silent * static_cast<double>(all)) << "of " << all;
 }
 
+// Where begin and end of a turn meet, a return of one may stand in the way of the other one's beam.
+constexpr double where_turns_meet = 0.003;
+
 /// Virtual scans of a cloud measured while driving, at the instant of its end.
 struct DrivenCut : Cut {
   Stamp instant;
@@ -282,17 +286,17 @@ TEST(CloudMotion, VirtualScansShowTheWallsAtTheirInstant) {
   const Cloud topic = without_columns(cloud);
   DrivenCut cut;
   cut.drive(cloud);
-  expect_walls(cut, cut.safety, cut.in_world(cloud), 0);
-  expect_walls(cut, cut.strict, cut.in_world(cloud), 0);
+  expect_walls(cut, cut.safety, cut.in_world(cloud), where_turns_meet);
+  expect_walls(cut, cut.strict, cut.in_world(cloud), where_turns_meet);
   cut.drive(topic);
-  expect_walls(cut, cut.safety, cut.in_world(topic), 0);
-  expect_walls(cut, cut.strict, cut.in_world(topic), 0);
+  expect_walls(cut, cut.safety, cut.in_world(topic), where_turns_meet);
+  expect_walls(cut, cut.strict, cut.in_world(topic), where_turns_meet);
   // Without rings: these are where the beams were when they measured, not where their returns are now.
   Cloud bare = topic;
   for (std::size_t i = 0; i < bare.size(); ++i) bare.points()[i].ring = 0;
   bare.rings = 1;
   cut.drive(bare);
-  expect_walls(cut, cut.safety, cut.in_world(bare), 0);
+  expect_walls(cut, cut.safety, cut.in_world(bare), where_turns_meet);
 }
 
 /// A device that fires its planes one after the other: columns that go round several times.
@@ -317,8 +321,8 @@ TEST(CloudMotion, AScannerOfOnePlaneAfterTheOtherIsMovedToo) {
   }
   DrivenCut cut;
   cut.drive(cloud);
-  expect_walls(cut, cut.safety, cut.in_world(cloud), 0);
-  expect_walls(cut, cut.strict, cut.in_world(cloud), 0);
+  expect_walls(cut, cut.safety, cut.in_world(cloud), where_turns_meet);
+  expect_walls(cut, cut.strict, cut.in_world(cloud), where_turns_meet);
 }
 
 TEST(CloudMotion, TheVehiclesOwnReturnsGoWithIt) {

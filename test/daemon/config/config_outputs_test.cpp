@@ -133,6 +133,11 @@ TEST(MergedScanConfig, WarnsWhenTheVehiclesOutlineIsNeededAndNotThere) {
 TEST(MergedScanConfig, RefusesWrongProfiles) {
   EXPECT_EQ(merged_error("laserscan_topics: rear, profile: flat"),
             "f:7:40: merged_scans.m.profile is \"flat\"; expected strict, safety or flatten");
+  EXPECT_THAT(
+      error_of("vehicle: {odometry_frame: odom}\n" + roof_and_rear +
+               "merged_scans: {m: {laserscan_topics: rear, destination_frame: odom}}\n"),
+      ::testing::HasSubstr("merged_scans.m.destination_frame is vehicle.odometry_frame; expected a frame "
+                           "that moves with the vehicle"));
   EXPECT_EQ(merged_error("laserscan_topics: rear, echoes: 2nd"),
             "f:7:39: merged_scans.m.echoes is \"2nd\"; expected first, last, strongest or all");
   EXPECT_EQ(merged_error("laserscan_topics: rear, also: {x: safe}"),
