@@ -109,7 +109,7 @@ void cut_bridges(const Returns& returns, const BeamRays& rays, double noise, Pla
 
 /// Marks links of which a return and a nearer one may belong to two things: nothing but the two returns says
 /// that there is a surface between them.
-void doubt_links(const Returns& returns, double noise, PlacedScan& sweep) {
+void find_near_links(const Returns& returns, double noise, PlacedScan& sweep) {
   const float shortest = std::max(shortest_bridge, static_cast<float>(5 * noise));
   for (std::size_t i = 0; i + 1 < sweep.linked.size(); ++i) {
     if (sweep.linked[i] == 0 || std::fabs(sweep.range[i] - sweep.range[i + 1]) < shortest) continue;
@@ -141,7 +141,7 @@ void link_neighbours(const BeamRays& rays, double noise, PlacedScan& sweep) {
     if (squared <= limit * limit || returns.grazing(i)) sweep.linked[i] = PlacedScan::linked_surely;
   }
   cut_bridges(returns, rays, noise, sweep);
-  doubt_links(returns, noise, sweep);
+  find_near_links(returns, noise, sweep);
 }
 
 void mark_mixed_pixels(const BeamRays& rays, double noise, PlacedScan& sweep) {

@@ -180,8 +180,10 @@ def live(tmp, way):
         command = [LIDARD, "replay", "-c", config, "--pcap", tmp / "drive.pcap", "--wait", "4", *extra]
         with logged(command, tmp / "log") as child:
             wait_for(lambda publisher=publisher: publisher.get_num_connections() > 0, 20, f"a subscriber for {name}")
-            for message in messages:
+            for count, message in enumerate(messages):
                 publisher.publish(message)
+                if count % 20 == 19:
+                    rospy.sleep(0.05)  # tf2's listener keeps 100 messages that wait
             child.wait(timeout=60)
         wait_for(lambda: len(scans) > 150, 5, "merged scans")
         rms, p99, silent = judge(way, scans)
