@@ -162,8 +162,7 @@ void BeamRays::add_beam(double angle, const Footprint& body, const Footprint& ma
                                                                                                       : 0);
 }
 
-float BeamRays::own_from(std::size_t beam, float range) const {
-  if (!(range >= own_begin[beam] && range <= own_end[beam])) return nowhere;
+float BeamRays::own_piece(std::size_t beam, float range) const {
   float from = own_begin[beam];
   const auto before = [](const Pocket& pocket, std::size_t of) { return pocket.beam < of; };
   for (auto it = std::lower_bound(pockets_.begin(), pockets_.end(), beam, before);

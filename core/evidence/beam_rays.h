@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 #include "core/base/pose.h"
@@ -58,7 +59,11 @@ class BeamRays {
   std::size_t size() const { return x.size(); }
   /// Where the piece of the vehicle begins in which a return of the beam lies, m; infinite if it lies in
   /// none.
-  float own_from(std::size_t beam, float range) const;
+  float own_from(std::size_t beam, float range) const {
+    const bool is_own = range >= own_begin[beam] && range <= own_end[beam];
+    if (!is_own) return std::numeric_limits<float>::infinity();
+    return pockets_.empty() ? own_begin[beam] : own_piece(beam, range);
+  }
 
   Pose pose = Pose::Identity();            ///< output_from_sensor
   double angle_min = 0;                    ///< rad, sensor frame
@@ -83,6 +88,7 @@ class BeamRays {
     float begin, end;
   };
   std::vector<Pocket> pockets_;  // by beam
+  float own_piece(std::size_t beam, float range) const;
   void add_beam(double angle, const Footprint& body, const Footprint& margin, HeightBand band);
 };
 

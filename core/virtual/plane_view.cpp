@@ -144,7 +144,8 @@ namespace {
 
 /// Columns of `width` m at `distance` m.
 std::size_t columns_of(const PlaneView& view, float width, float distance) {
-  return static_cast<std::size_t>(static_cast<double>(width / distance) / view.grid().step());
+  constexpr double most = 1e6;  // a ring may look straight down
+  return static_cast<std::size_t>(std::min(most, static_cast<double>(width / distance) / view.grid().step()));
 }
 
 }  // namespace
@@ -255,7 +256,7 @@ void PlaneTops::judge(const PlaneView& view, std::size_t ring, const Run& run) {
   const std::size_t aside = columns_of(view, same_end, run.nearest);
   std::size_t done = run.first;
   for (std::size_t c = run.first; c < run.end; ++c) {
-    if (passing_over(view, view.grid().index(c, ring)) > 0) continue;
+    if (!(passing_over(view, view.grid().index(c, ring)) <= 0)) continue;
     const std::size_t end = std::min(run.end, c + aside + 1);
     for (done = std::max(done, c > aside ? c - aside : 0); done < end; ++done) {
       std::uint8_t& at = verdicts_[view.grid().index(done, ring)];
