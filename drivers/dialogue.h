@@ -100,6 +100,7 @@ class SideDialogue : public Dialogue {
   void disconnected() {
     if (phase_ == Phase::talking) {
       failed_ = true;
+      ended_ = now_;
       cut_off();
     }
     phase_ = Phase::idle;
@@ -112,7 +113,9 @@ class SideDialogue : public Dialogue {
       patience_limit_ = std::min(2 * patience_limit_, Patience::most);
       return silent(out);
     }
-    if (phase_ != Phase::idle || !is_due(last_data)) return;
+    if (last_data && last_data_ && *last_data > *last_data_) interval_ = *last_data - *last_data_;
+    last_data_ = last_data;
+    if (phase_ != Phase::idle || !is_due()) return;
     last_dial_ = now;
     talked_ = false;
     phase_ = Phase::dialling;
@@ -144,24 +147,31 @@ class SideDialogue : public Dialogue {
  private:
   enum class Phase : std::uint8_t { idle, dialling, talking };
 
-  bool is_due(std::optional<Stamp> last_data) {
+  bool is_due() {
     /// After this silence the device may have lost its settings.
-    constexpr Span silence = std::chrono::seconds(1);
-    constexpr Span pause = std::chrono::milliseconds(500);
-    /// The pause after a dialogue that failed, or did not restart the stream.
-    constexpr Span fruitless_pause = std::chrono::seconds(5);
-    const bool stopped = !last_data || now_ - *last_data > silence;
-    if (stopped && last_data && *last_data > ended_) complete_ = false;
+    const Span silence = std::max<Span>(std::chrono::seconds(1), 3 * interval_);
+    const bool stopped = !last_data_ || now_ - *last_data_ > silence;
+    if (stopped && last_data_ && *last_data_ > ended_) complete_ = failed_ = false;
     if (!wanted_ || (complete_ && !(restores_ && stopped))) return false;
-    const bool in_vain = complete_ && (!last_data || *last_data < last_dial_);
-    const bool fruitless = talked_ && (failed_ || in_vain);
-    return !last_dial_ || now_ - *last_dial_ >= (fruitless ? fruitless_pause : pause);
+    const bool in_vain = complete_ && (!last_data_ || *last_data_ < last_dial_);
+    if (!talked_ || !(failed_ || in_vain)) {
+      fruitless_pause_ = first_fruitless_pause;
+      return !last_dial_ || now_ - *last_dial_ >= std::chrono::milliseconds(500);
+    }
+    if (now_ - ended_ < fruitless_pause_) return false;
+    fruitless_pause_ = std::min<Span>(2 * fruitless_pause_, std::chrono::seconds(60));
+    return true;
   }
 
+  /// After a dialogue that failed or did not restart the stream; twice as long after each further one, since
+  /// another client may wait for the connection, and wrong passwords may lock the device.
+  static constexpr Span first_fruitless_pause = std::chrono::seconds(5);
   const bool wanted_, restores_;
   Span patience_limit_;
   Phase phase_ = Phase::idle;
-  std::optional<Stamp> last_dial_;
+  std::optional<Stamp> last_dial_, last_data_;
+  Span interval_{0};  // between data, when last there were any
+  Span fruitless_pause_ = first_fruitless_pause;
   bool talked_ = false;    // the last attempt to connect succeeded
   bool complete_ = false;  // the last dialogue was completed
   bool failed_ = false;    // it was broken off

@@ -71,6 +71,8 @@ class Merger {
   const Visibility* visibility() const { return visibility_ ? &*visibility_ : nullptr; }
   /// A source's sweep as placed by the last merge; nullptr if it was not used or no surfaces are computed.
   const PlacedScan* sweep(std::size_t source) const { return newest_sweeps_[source]; }
+  /// The same, used or not: its counters.
+  const PlacedScan& last_sweep(std::size_t source) const { return sources_[source].sweep; }
   /// The origin of a source's sweep, in the output frame.
   Eigen::Vector2d looks_from(std::size_t source) const {
     return sources_[source].rays.pose.translation().head<2>();

@@ -15,7 +15,7 @@ DropinSetup urg_node_setup(const NodeParameters& parameters) {
   while (!prefix.empty() && prefix.front() == '/') prefix.erase(0, 1);
   const std::string frame = reader.text("frame_id", reader.text("laser_frame_id", "laser"));
   // As tf::resolve(): a frame with a leading slash has no prefix.
-  const bool is_absolute = prefix.empty() || frame.front() == '/';
+  const bool is_absolute = prefix.empty() || frame.rfind('/', 0) == 0;
   sensor.emplace_back("frame_id", as_frame(is_absolute ? frame : prefix + "/" + frame));
   for (const char* name : {"angle_min", "angle_max"}) {
     if (const auto value = reader.find(name)) sensor.emplace_back(name, copied(*value));

@@ -109,11 +109,10 @@ class MergedOutput final : public Output {
     describe_mounts(item);
     std::uint64_t own = 0, seen_through = 0, mixed = 0;
     for (std::size_t s = 0; s < config_.laserscan_topics.size(); ++s) {
-      const PlacedScan* const sweep = merger_->sweep(s);
-      if (sweep == nullptr) continue;
-      own += sweep->own_returns;
-      seen_through += sweep->seen_through;
-      mixed += sweep->mixed_pixels;
+      const PlacedScan& sweep = merger_->last_sweep(s);
+      own += sweep.own_returns;
+      seen_through += sweep.seen_through;
+      mixed += sweep.mixed_pixels;
     }
     item.add("Returns on the vehicle", own);
     item.add("Returns from behind the vehicle", seen_through);

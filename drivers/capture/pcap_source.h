@@ -132,27 +132,34 @@ class MergedCapture {
   File* given_ = nullptr;  // whose packet the caller holds
 };
 
-/// Picks the chunks of the newest of a device's connections that is not silent. A capture may hold several (a
-/// configuration tool beside the driver, or one after the other), whose telegrams must not be mixed.
+/// Picks the chunks of the newest of a device's connections, or of an older one while that is silent. A
+/// capture may hold several (a configuration tool beside the driver, or one after the other), whose telegrams
+/// must not be mixed.
 class ConnectionPicker {
  public:
   /// True if the chunk, which the device sent, is of the connection that counts; the first one of a
   /// connection is marked as the start of its stream.
   bool pick(Packet& packet) {
+    const auto is_silent = [&](Stamp last) {
+      return std::chrono::abs(packet.arrival - last) > std::chrono::seconds(1);
+    };
+    if (!newest_ || packet.stream_start) newest_ = packet.to;
+    const bool is_newest = *newest_ == packet.to;
     const bool goes_on = peer_ && *peer_ == packet.to;
-    const bool is_silent = packet.arrival - last_ > std::chrono::seconds(1);
-    if (peer_ && !goes_on && !packet.stream_start && !is_silent) return false;
+    if (!is_newest && (!is_silent(newest_at_) || !(goes_on || is_silent(last_)))) return false;
     packet.stream_start = packet.stream_start || !goes_on;
     peer_ = packet.to;
     last_ = packet.arrival;
+    if (is_newest) newest_at_ = packet.arrival;
     return true;
   }
   /// The capture starts again.
-  void restart() { peer_.reset(); }
+  void restart() { *this = {}; }
 
  private:
-  std::optional<Endpoint> peer_;
-  Stamp last_{};  // of the connection that counts
+  std::optional<Endpoint> newest_;
+  std::optional<Endpoint> peer_;  // whose chunks are picked
+  Stamp newest_at_{}, last_{};    // of their last chunks
 };
 
 }  // namespace lidard

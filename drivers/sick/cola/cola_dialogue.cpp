@@ -235,6 +235,8 @@ void ColaDialogue::note_identity() {
   const std::string_view named = cola_model_named(identity);
   const std::string_view configured = config_.model->name;
   if (identity.empty() || (!named.empty() && configured.substr(0, named.size()) == named)) return;
+  // LRS36x0 and LRS36x1 (sick_scan_xd, sick_scan_common.cpp).
+  if (identity.find("LD-LRS") != std::string::npos && configured.substr(0, 10) == "sick_lrs36") return;
   const std::string both = "the device reports the name " + identity + ", which is " +
                            (named.empty() ? "not a supported model" : "a " + std::string(named)) + ", but " +
                            std::string(configured) + " is configured; ";

@@ -238,7 +238,8 @@ class ColaDriver final : public DriverBase {
     });
     reason = apply_geometry();
     if (reason != Reject::none) return reason;
-    const Span start = clock_.observe(scan_.start_us, scan_.transmit_us, geometry_.sweep(), arrival);
+    const Span rest = row_.stamp == ColaStamp::last_beam ? Span(0) : geometry_.sweep();
+    const Span start = clock_.observe(scan_.start_us, scan_.transmit_us, rest, arrival);
     counters_.clock_steps = clock_.steps();
     follow_counters(start, arrival);
     const Span first = first_of_telegram(start);
@@ -302,6 +303,7 @@ class ColaDriver final : public DriverBase {
                  "the scanner changed from " + describe(geometry_) + " to " + describe(now) +
                      "; restart whatever expects the former, or undo the change in SOPAS ET");
     }
+    if (!(now.beam_period == geometry_.beam_period)) clock_.forget_ways();
     geometry_ = now;
     has_geometry_ = true;
     has_beams_ = scan_builder_.choose(geometry_);

@@ -158,6 +158,8 @@ std::size_t ring_of(std::int16_t layer) {
 
 }  // namespace
 
+bool is_plane_of_mrs1000(std::int16_t layer) { return ring_of(layer) != no_ring; }
+
 ColaCloudBuilder::ColaCloudBuilder(const DriverConfig& config, const ColaRow& row, Counters& counters)
     : config_(config),
       row_(row),

@@ -47,6 +47,9 @@ double exact_step_deg(double sent);
 /// ColaRow::zero_is_unknown.
 BeamStatus status_of_raw(std::uint16_t raw, const ColaRow& row);
 constexpr std::uint16_t first_distance = 16;
+/// True for the planes of an MRS1000, and for that of a single-plane device (0); 1/100 deg, positive
+/// downwards.
+bool is_plane_of_mrs1000(std::int16_t layer);
 
 /// Makes planar scans from the telegrams of a single-plane device.
 class ColaScanBuilder {

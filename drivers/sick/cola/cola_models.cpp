@@ -41,7 +41,8 @@ constexpr ColaRow lrs36x1 = row(-180, false, ColaStamp::first_beam);
 // README of sick_scan_xd: 90 deg less; its parser: 0.
 constexpr ColaRow nav2xx = row(0, false, ColaStamp::first_beam);
 // NAV31x, OEM15xx and LRS36x0: sick_lmd_scandata_parser.cpp lets them begin at +180 deg, whatever the shift
-// of the row is. The NAV310's 0 deg lies behind it.
+// of the row is. The NAV310's 0 deg lies behind it. Unverified: sick_scan_xd's cloud of an LRS36x0 lies 90
+// deg from its scan.
 constexpr ColaRow backward = row(-180, true, ColaStamp::first_beam);
 // Four measuring modules turn together and send one sweep each: four telegrams per turn (SICK 8020494, p.
 // 24).
@@ -158,7 +159,7 @@ struct Family {
 /// sends distances in steps of 2 mm, as its range of 80 m requires (16 bits of 1 mm end at 65 m). The values
 /// of the others are from recordings or, unverified, from data sheets.
 constexpr std::array families = {
-    Family{"sick_lms1000", -48, 228, {37.5, 75, 150}, {0.1875, 0.375, 0.75}, 1, 64},
+    Family{"sick_lms1000", -48.4, 228.2, {37.5, 75, 150}, {0.1875, 0.375, 0.75}, 1, 64},
     Family{"sick_tim7xx", -45, 225, {15}, {1.0 / 3}, 1, 25},
     Family{"sick_tim7xxs", -45, 225, {15}, {1.0 / 3}, 1, 25},
     Family{"sick_tim5xx", -45, 225, {15}, {1.0 / 3, 1}, 1, 25},
@@ -176,6 +177,7 @@ constexpr std::array families = {
     Family{"sick_nav31x", 0, 360, {8}, {}, any, any},
     Family{"sick_oem15xx", 0, 360, {8}, {}, any, any},
     Family{"sick_lrs36x0", 0, 360, {8}, {}, any, any},
+    Family{"sick_lrs36x1", 0, 360, {8}, {}, any, any},
     // Accept unlisted steps and rates. An LMS1xx turns at 25 or 50 Hz only.
     Family{"sick_lms5xx", -5, 185, {}, {}, any, any},
     Family{"sick_lms1xx", -45, 225, {25, 50}, {}, 1, 50},
@@ -270,6 +272,8 @@ class ColaRecognizer final : public Recognizer {
     if (reason != Reject::none) return counters_.reject(reason);
     parsed_ = true;
     layered_ = layered_ || scan_.layer != 0;
+    if (!is_plane_of_mrs1000(scan_.layer)) verdict_ = {}, others_.clear();
+    if (!is_plane_of_mrs1000(scan_.layer)) return;
     if (layered_) {
       verdict_ = "sick_mrs1000";
       others_.clear();

@@ -83,9 +83,9 @@ class ColaClock {
  public:
   explicit ColaClock(ClockMode mode) : clock_(mode) {}
 
-  /// Adds a telegram with its two times; `sweep` is the duration of the measurement, used if the device sends
-  /// no time of transmission. Returns the unwrapped start time.
-  Span observe(std::uint32_t start_us, std::uint32_t transmit_us, Span sweep, Stamp arrival) {
+  /// Adds a telegram with its two times; `rest` of the measurement follows the start time; it is used if the
+  /// device sends no time of transmission. Returns the unwrapped start time.
+  Span observe(std::uint32_t start_us, std::uint32_t transmit_us, Span rest, Stamp arrival) {
     if (!started_) {
       device_ = std::chrono::microseconds(start_us);
     } else {
@@ -101,11 +101,13 @@ class ColaClock {
     const Span way = std::chrono::microseconds(transmit_us - start_us);
     const bool is_sent = transmit_us != 0 && way <= longest_way;
     if (is_sent) shortest_way_ = std::min(shortest_way_.value_or(way), way);
-    clock_.observe(device_ + (is_sent ? way : sweep), arrival);
+    clock_.observe(device_ + (is_sent ? way : rest), arrival);
     return device_;
   }
   /// The shortest time from a telegram's start time to its transmission so far; none: the device sends none.
   const std::optional<Span>& shortest_way() const { return shortest_way_; }
+  /// The device measures at another rate.
+  void forget_ways() { shortest_way_.reset(); }
   /// The unwrapped time nearest to the last telegram.
   Span near_last(std::uint32_t time_us) const {
     return device_ + std::chrono::microseconds(static_cast<std::int32_t>(time_us - start_us_));
@@ -119,12 +121,13 @@ class ColaClock {
   /// Forgets the time of the device, which may have restarted; its drift stays known.
   void restart() {
     started_ = false;
+    forget_ways();
     clock_.restart();
   }
   /// Resets the clock for another device or recording with unrelated times.
   void reset() {
     started_ = false;
-    shortest_way_.reset();
+    forget_ways();
     clock_.reset();
   }
 

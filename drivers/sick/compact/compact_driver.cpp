@@ -241,6 +241,7 @@ class CompactDriver final : public DriverBase {
                                                       "; check its pose");
     sender_known_ = true;
     sender_ = sender;
+    rival_at_.reset();
     order_.reset();
     frames_.restart();
     first_frame_ = true;

@@ -270,7 +270,7 @@ class SopasDialogue final : public SideDialogue {
 
   void fail(std::string why, DriverOutput& out) {
     warn("the device " + std::move(why));
-    hang_up(true, out);  // a refusal is final: a repeated password may lock the device
+    hang_up(true, out);  // a refusal is final while the device sends data
   }
 
   DeviceRequests requests_;

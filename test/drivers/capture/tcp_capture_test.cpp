@@ -231,6 +231,11 @@ TEST(ConnectionPicker, FollowsTheNewestConnectionAndTheOldOneOnceThatIsSilent) {
       picked({{0, 'A'}, {20, 'a'}, {30, 'T'}, {40, 'a'}, {800, 't'}, {1790, 'a'}, {1810, 'a'}, {1830, 'a'}}),
       "AaTtAa");
   EXPECT_EQ(picked({{0, 'a'}, {20, 'a'}, {25, 'b'}, {40, 'a'}}), "Aaa") << "none begins in the capture";
+  // A tool that asks on does not keep the place that it had while the scans paused.
+  EXPECT_EQ(
+      picked(
+          {{0, 'T'}, {10, 'A'}, {500, 't'}, {1400, 't'}, {1700, 't'}, {2010, 'a'}, {2030, 'a'}, {2040, 't'}}),
+      "TATtAa");
 }
 
 }  // namespace

@@ -138,6 +138,29 @@ TEST(ColaDriver, AStampLongBeforeTheTransmissionIsThatOfTheFirstBeam) {
   }
 }
 
+TEST(ColaDriver, AChangeOfTheRateChangesWhatAStampIs) {
+  ColaBench bench;
+  const auto send = [&](std::uint32_t rate, std::uint32_t way_us) {
+    bench.sample.scan_frequency = rate;
+    bench.sample.measurement_frequency = rate / 100 * 7;
+    bench.sample.transmit_us = bench.sample.start_us + way_us;
+    for (int i = 0; i < 20; ++i) bench.send_next();
+  };
+  send(5000, 3000);
+  send(2500, 45'500);
+  EXPECT_NEAR(seconds(bench.now - bench.scans.back().stamp), 0.0455, 1e-3);
+}
+
+TEST(ColaDriver, WithoutATimeOfTransmissionAStampOfTheLastBeamIsTheArrival) {
+  ColaBench bench;
+  for (int i = 0; i < 20; ++i) {
+    bench.sample.transmit_us = 0U - 20'000U;  // send_next() adds a period of 20 ms
+    bench.send_next();
+  }
+  const double sweep = 540 * static_cast<double>(bench.scans.back().time_increment);
+  EXPECT_NEAR(seconds(bench.now - bench.scans.back().stamp), sweep, 1e-4);
+}
+
 TEST(ColaDriver, WithoutATimeOfTransmissionStampsAreRightBeforeTheCounterOverflows) {
   ColaBench bench;
   bench.sample.start_us = 0xFFFFFFFF - 5'000'000;

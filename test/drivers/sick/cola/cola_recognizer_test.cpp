@@ -91,6 +91,31 @@ TEST(ColaRecognizer, WhatSeveralFamiliesSendIsSaidWithTheirNames) {
   EXPECT_THAT(verdict_of({-45, 0.5, 50, 541}).others, IsEmpty()) << "only an LMS1xx looks so far around";
 }
 
+// Begins and rates: sick_scan_xd, README (interlaced modes) and sick_scan_common.cpp (modes of the NAV and
+// LRS).
+TEST(ColaRecognizer, InterlacedScansOfAnLms1000AndTheModeThatNavAndLrsShare) {
+  for (const double start_deg : {-47.8125, -48.0, -48.1875, -48.375})
+    EXPECT_EQ(verdict_of({start_deg, 0.75, 150, 369}).model, "sick_lms1000") << start_deg;
+  EXPECT_THAT(verdict_of({0, 0.25, 8, 1440}).others,
+              ElementsAre("sick_oem15xx", "sick_lrs36x0", "sick_lrs36x1"));
+}
+
+TEST(ColaRecognizer, PlanesThatNoMrs1000HasAreThoseOfNoKnownModel) {
+  for (const auto& [layer, model] :
+       {std::pair<std::int16_t, std::string>(-250, "sick_mrs1000"), {-2638, ""}}) {
+    const auto recognizer = sick::make_cola_recognizer();
+    sim::SickScan scan;
+    scan.layer = layer;
+    scan.channels = {sim::SickChannel{}};
+    scan.channels[0].values.assign(100, 3000);
+    show(*recognizer, scan.bytes(sim::Cola::binary));
+    EXPECT_EQ(recognizer->verdict(), model);
+    if (model.empty()) {
+      EXPECT_THAT(recognizer->remark(), HasSubstr("of no known model"));
+    }
+  }
+}
+
 TEST(ColaRecognizer, FifteenTurnsASecondAreNoLms1xx) {
   EXPECT_EQ(verdict_of({-45, 1, 15, 271}).model, "sick_tim5xx");
   EXPECT_THAT(verdict_of({-45, 1, 15, 271}).others, IsEmpty());

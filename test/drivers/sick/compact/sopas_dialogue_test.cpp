@@ -223,13 +223,40 @@ TEST(SopasDialogue, RefusalsAreToldInWords) {
 TEST(SopasDialogue, ADeviceThatDoesNotAnswerIsGivenUpAndAskedAgain) {
   Cable cable(to_host("192.168.0.100"));
   cable.answers = false;
-  cable.run(6);
+  cable.run(12);
   EXPECT_THAT(cable.warning(), HasSubstr("does not answer"));
   EXPECT_GE(cable.connections, 2);
   cable.answers = true;
-  cable.run(6);
+  cable.run(30);
   EXPECT_GE(cable.device.commands.size(), 5U);
   EXPECT_TRUE(cable.warning().empty());
+}
+
+TEST(SopasDialogue, WhatFailsAgainAndAgainIsTriedLessAndLess) {
+  Cable mute(to_host("192.168.0.5", true));
+  mute.answers = false;
+  double open = 0;
+  for (int i = 0; i < 6000; ++i) {
+    mute.run(0.1);
+    mute.hear();
+    open += mute.open ? 0.1 : 0;
+  }
+  EXPECT_GE(mute.connections, 8);
+  EXPECT_LE(open, 120) << "of 600 s another client cannot connect";
+  Cable locked(to_host("192.168.0.5", true));
+  locked.device.password = "12345678";
+  locked.run(600);
+  EXPECT_GE(locked.connections, 8);
+  EXPECT_LE(locked.connections, 14);
+}
+
+TEST(SopasDialogue, AStreamOfFewScansIsNoReasonToAskAgain) {
+  Cable cable(to_host("192.168.0.100"));
+  for (int i = 0; i < 30; ++i) {
+    cable.run(2);
+    cable.hear();
+  }
+  EXPECT_LE(cable.connections, 3);
 }
 
 TEST(SopasDialogue, ADeviceThatClosesTheConnectionIsReportedAndAskedAgain) {
