@@ -18,6 +18,9 @@ constexpr double widest_cell = 0.2 * rad_per_deg;
 constexpr double most_cells = 65000;
 // Beams farther apart than this are not neighbours; a scan plane that stands nearly upright has such beams.
 constexpr float widest_step = 0.2F;  // rad
+// m from a scanner to the way of a beam: nearer, nothing is overlooked between them.
+constexpr float least_aside = 0.005F;
+constexpr float beyond = 1e6F;  // m
 
 }  // namespace
 
@@ -279,17 +282,34 @@ void FreeSpaceMap::begin_later(const PlacedScan& sweep, std::size_t beam, float 
   const float length = std::max(std::hypot(x - dx, y - dy), 1e-3F);
   // m by which the scanner is beside the beam's line, on the side that was not seen.
   const float aside = (outward > 0 ? 1.0F : -1.0F) * (dx * y - dy * x) / length;
-  if (aside < 0.005F) return;
+  if (aside < least_aside) return;
   const auto count = static_cast<std::int32_t>(size());
+  // Cells from the beam's direction, two half beams to the outside and as far as the strip reaches.
+  const float towards = (fast_atan2(y - dy, x - dx) + static_cast<float>(pi_d)) * per_rad_;
   const float end = std::min(aside / housing, 1.5F) * per_rad_;
-  for (float inward = 0; inward <= end; ++inward) {
-    const auto cell = static_cast<std::int32_t>(azimuths_[beam] + (outward > 0 ? -inward : inward));
+  for (float inward = -2 * std::fabs(half_beam_); inward <= end; ++inward) {
+    const auto cell = static_cast<std::int32_t>(std::floor(towards + (outward > 0 ? -inward : inward)));
     const auto inside = static_cast<std::size_t>(cell < 0        ? cell + count
                                                  : cell >= count ? cell - count
                                                                  : cell);
-    const float angle = inward / per_rad_;
-    starts_[inside] = std::max(starts_[inside], aside / (std::sin(angle) + aside / length));
+    const float sine = std::sin(std::max(inward, 0.0F) / per_rad_);
+    starts_[inside] = std::max(starts_[inside], sine > 0 ? aside / sine : beyond);
   }
+}
+
+/// The last beam of a full circle was measured a sweep after the first one. They are neighbours only if the
+/// vehicle moved little, and nothing lies between their ways.
+bool FreeSpaceMap::joins_ends(const PlacedScan& sweep) const {
+  if (!closed_) return false;
+  const std::size_t last = sweep.kind.size() - 1;
+  const auto count = static_cast<float>(size());
+  const float step = azimuths_[0] - azimuths_[last];
+  const float turn = step - count * std::round(step / count);
+  const float dx = sweep.origin_x[0], dy = sweep.origin_y[0];
+  const float x = sweep.free_x[0] - dx, y = sweep.free_y[0] - dy;
+  const float aside = std::fabs((dx - sweep.origin_x[last]) * y - (dy - sweep.origin_y[last]) * x) /
+                      std::max(std::hypot(x, y), 1e-3F);
+  return std::fabs(turn) < 3 * std::fabs(half_beam_) && aside < least_aside;
 }
 
 void FreeSpaceMap::fill_moved(const PlacedScan& sweep) {
@@ -309,19 +329,28 @@ void FreeSpaceMap::fill_moved(const PlacedScan& sweep) {
     begins[i] = from[i] > 0 ? from[i] + std::fabs(origin_x[i]) + std::fabs(origin_y[i]) : 0;
   }
   const auto is_free = [&](std::size_t i) { return i < beams && lengths_[i] > 0; };
+  // A few missing beams hide at most a narrow thing. `onward`: 1, or -1 for the beams before.
+  const auto is_outer = [&](std::size_t i, std::size_t onward) {
+    constexpr std::size_t few = 4;
+    for (std::size_t k = 2; k <= few; ++k) {
+      if (is_free(i + k * onward)) return false;
+    }
+    return true;
+  };
+  const bool joined = beams > 2 && joins_ends(sweep);
   for (std::size_t i = 0; i < beams; ++i) {
     if (!is_free(i)) continue;
     const float at = azimuths_[i];
     const bool hides = sweep.kind[i] != Return::nothing;
-    const std::size_t before = i > 0 ? i - 1 : closed_ ? beams - 1 : beams;
-    const std::size_t after = i + 1 < beams ? i + 1 : closed_ ? 0 : beams;
+    const std::size_t before = i > 0 ? i - 1 : joined ? beams - 1 : beams;
+    const std::size_t after = i + 1 < beams ? i + 1 : joined ? 0 : beams;
     if (!is_free(before)) {
       limit(at - half_beam_, at, begins_[i], lengths_[i], lengths_[i], hides);
-      begin_later(sweep, i, -half_beam_);
+      if (is_outer(i, ~std::size_t{0})) begin_later(sweep, i, -half_beam_);
     }
     if (!is_free(after)) {
       limit(at, at + half_beam_, begins_[i], lengths_[i], lengths_[i], hides);
-      begin_later(sweep, i, half_beam_);
+      if (is_outer(i, 1)) begin_later(sweep, i, half_beam_);
       continue;
     }
     float step = azimuths_[after] - at;

@@ -158,6 +158,7 @@ class FreeSpaceMap {
   void fill_moved(const PlacedScan& sweep);
   void limit_pair(const PlacedScan& sweep, std::size_t beam, std::size_t after, float step);
   void begin_later(const PlacedScan& sweep, std::size_t beam, float outward);
+  bool joins_ends(const PlacedScan& sweep) const;
   /// Limits the free ways in cells [begin, end] (cells from -pi; either may be the larger) to lengths that
   /// change from `a` to `b`.
   void limit(float begin, float end, float from, float a, float b, bool hides);

@@ -45,11 +45,11 @@ Visibility::Visibility(const ScanGrid& grid, const VisibilitySettings& settings,
 }
 
 void Visibility::set_footprint(const Footprint& footprint) {
-  const Footprint body = footprint.padded(Footprint::margin_m);
+  body_ = footprint.padded(Footprint::margin_m);
   inside_.clear();
   for (std::size_t beam = 0; beam < beams(); ++beam) {
     const double angle = raster_.grid().angle(beam);
-    const auto crossings = body.crossings({0, 0}, {std::cos(angle), std::sin(angle)});
+    const auto crossings = body_.crossings({0, 0}, {std::cos(angle), std::sin(angle)});
     const bool begins_inside = !crossings.empty() && crossings.front().in <= 0;
     begin_[beam] = begins_inside ? static_cast<float>(crossings.front().out) : 0.0F;
     pieces_[beam] = inside_.size();
@@ -283,6 +283,8 @@ bool Visibility::accept(Walk& walk, float from, float to) {
     while (s < walk.sources && !sees(s)) ++s;
     if (s < walk.sources)
       see(walk, s, walk.at);
+    else if (was_inside(walk.beam, at[part]) && was_inside(walk.beam, walk.at))
+      walk.known = walk.at;
     else
       accepted = accept_unseen(walk, at[part], part) && accepted;
     if (!accepted && is_decided(walk.beam)) return false;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,9 @@ class Visibility {
 
   /// The vehicle's outline in the output frame: the way inside it need not be observed.
   void set_footprint(const Footprint& footprint);
+  /// Where the vehicle was when the oldest beam was measured: nothing else was there. `former_from_now` maps
+  /// places of the output frame now to those of then; none: it stood.
+  void set_former(const std::optional<Pose>& former_from_now) { former_from_now_ = former_from_now; }
   /// Sets the beams of a source; call it once and whenever the source moves.
   void set_source(std::size_t source, const BeamRays& rays);
   /// Computes from the newest sweep of every source; nullptr: the source has none.
@@ -120,6 +124,11 @@ class Visibility {
   bool may_hold_body(const Walk& walk, std::size_t step) const;
   /// True if part `part` of a step, from `from` m to walk.at, may stay unseen.
   bool accept_unseen(Walk& walk, float from, std::size_t part);
+  /// True if the vehicle itself was at that place of the beam.
+  bool was_inside(std::size_t beam, float range) const {
+    const Eigen::Vector3d place(range * raster_.cosine(beam), range * raster_.sine(beam), 0);
+    return former_from_now_ && body_.contains((*former_from_now_ * place).head<2>());
+  }
   bool is_open_to_some(const Walk& walk, std::size_t part) const;
   float seen_from(std::size_t beam);
   FreeSpaceMap::Place place_at(std::size_t source, std::size_t beam, float range) const {
@@ -146,6 +155,8 @@ class Visibility {
     std::size_t from, to;  // the first and the last step
     float end;             // m
   };
+  Footprint body_;
+  std::optional<Pose> former_from_now_;
   float range_max_;            // m
   float open_ = 0;             // m that a beam without a hit must be free
   float approach_;             // m before a hit

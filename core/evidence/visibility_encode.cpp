@@ -14,7 +14,7 @@ bool Visibility::is_seen_all_along(std::size_t beam) const {
     if (std::any_of(begin + pieces_[beam], begin + pieces_[beam + 1],
                     [&](const Inside& body) { return at > table_.edge(body.from) && at < body.end; }))
       continue;
-    bool seen = false;
+    bool seen = was_inside(beam, at);
     // A beam may lie on the border of two cells.
     for (const float turn : {-1e-5F, 1e-5F}) {
       const float c = raster_.cosine(beam) - turn * raster_.sine(beam);

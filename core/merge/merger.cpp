@@ -143,14 +143,21 @@ const MergeReport& Merger::merge(const MergeMoment& moment, const std::vector<ch
   const bool intensities = with_intensities(use);
   float scan_time = 0;
   report_.deskewed = false;
+  const Source* oldest = nullptr;  // of those that moved
   for (std::size_t s = 0; s < sources_.size(); ++s) {
     newest_sweeps_[s] = nullptr;
     report_.sources[s] = SourceUse::not_used;
     if (use[s] == 0 || !sources_[s].stamp) continue;
     report_.sources[s] = place_source(s, moment);
     scan_time = std::max(scan_time, sources_[s].scan_time);
+    if (sources_[s].motion.stands() || (oldest != nullptr && oldest->stamp < sources_[s].stamp)) continue;
+    oldest = &sources_[s];
   }
-  if (visibility_) visibility_->compute(newest_sweeps_);
+  if (visibility_) {
+    visibility_->set_former(oldest == nullptr ? std::nullopt
+                                              : std::optional(oldest->motion.begin().inverse()));
+    visibility_->compute(newest_sweeps_);
+  }
   for (const MergedScan& output : outputs) {
     if (output.profile == Profile::flatten)
       flatten(*output.scan, intensities);

@@ -56,6 +56,12 @@ class SweepMotion {
 
   bool stands() const { return stretches_.empty(); }
   const std::vector<Stretch>& stretches() const { return stretches_; }
+  /// The transform of the first beam. Not while everything stands.
+  Pose begin() const {
+    Pose pose = Pose::Identity();
+    pose.affine() = stretches_.front().from;
+    return pose;
+  }
   /// The measurement of `beam` at `point` (m), moved. Not while everything stands.
   Eigen::Vector3d moved(std::size_t beam, const Eigen::Vector3d& point) const {
     const Stretch& s = stretches_[std::min(beam / step_, stretches_.size() - 1)];

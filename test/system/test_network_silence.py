@@ -98,14 +98,26 @@ def silence(device, pause, how):
     came_back(name, on, device.talks(), starved, how)
 
 
+def asks_for_connection(raw, address):
+    """A packet came that asks this address for a TCP connection: SYN alone of the flags that the first packets have."""
+    with contextlib.suppress(BlockingIOError):
+        while True:
+            frame = raw.recv(2048)
+            if frame[23] == socket.IPPROTO_TCP and frame[30:34] == socket.inet_aton(address) and frame[47] & 0x12 == 0x02:
+                return True
+    return False
+
+
 def half_open(device):
     """The connection is found dead and the next one tried at most 2 s after the last sign of the device."""
     starved, name = Starved(), device.name
-    link = lambda: item("link " + name)
-    before = int(link()["values"]["Attempts"])
     since = time.time()
-    device.power_cut()
-    wait_for(lambda: int(link()["values"]["Attempts"]) > before, 10, f"{name}: the next attempt to connect")
+    with device.network.among_lidars():
+        raw = socket.socket(socket.AF_PACKET, socket.SOCK_RAW | socket.SOCK_NONBLOCK)
+    with raw:
+        raw.bind(("dev-lidar0", 0x0800))
+        device.power_cut()
+        wait_for(lambda: asks_for_connection(raw, ADDRESSES[name]), 10, f"{name}: the next attempt to connect")
     check(f"{name} half-open: next attempt to connect", time.time() - since, 2, starved)
     fell_silent(name, since, starved, "half-open")
     time.sleep(2)  # without power

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -16,27 +17,19 @@
 namespace lidard {
 namespace {
 
-/// A world, a scanner, and what a merged scan seen from `origin` makes of it.
+/// A world, scanners of a vehicle, and what a merged scan seen from `origin` makes of them.
 struct PostScene {
-  /// The vehicle drives ahead with `speed`; the output is made `late` s after the sweep of 60 ms.
-  void look(double speed = 0, double late = 0) {
-    constexpr double sweep_s = 0.06, instant = 1;
+  /// The vehicle drives ahead with `speed`; the output is made `late` s after the sweep.
+  void look(double speed = 0, double late = 0) { look(sim::Pose2{speed, 0, 0}, late); }
+  /// `speed`: per s, of the vehicle's pose, which is the world's frame at the output's instant.
+  void look(const sim::Pose2& speed, double late) {
+    constexpr double instant = 1;
     const double begin = instant - late - sweep_s;
-    const double between = sweep_s / (scanner.field / scanner.increment);
-    sim::Rng rng(1);
-    PlanarScan scan;
-    const auto place = [&](std::size_t beam) {
-      return sim::Pose2{speed * (begin + static_cast<double>(beam) * between - instant), 0, 0};
+    const bool moves = speed.x != 0 || speed.y != 0 || speed.yaw != 0;
+    const auto pose = [&](double after) {
+      const double t = after - instant;
+      return sim::Pose2{speed.x * t, speed.y * t, speed.yaw * t};
     };
-    if (speed != 0)
-      scanner.measure(world, place, rng, scan);
-    else
-      scanner.measure(world, rng, scan);
-    scan.stamp = t0 + span_from_seconds(begin);
-    scan.time_increment = static_cast<float>(between);
-    PoseTrack track;
-    for (int i = 0; i <= 102; ++i)
-      track.add(t0 + span_from_seconds(0.01 * i), make_pose({speed * (0.01 * i - instant), 0, 0}, {0, 0, 0}));
     ScanGridSpec spec;
     spec.beams = 1440;
     spec.range_max = range_max;
@@ -44,14 +37,35 @@ struct PostScene {
     settings.points = false;
     settings.visibility = true;
     settings.how.noise = settings.source.noise = 0.01;
-    Merger merger(*make_grid(spec), {}, 1, settings);
+    Merger merger(*make_grid(spec), {}, scanners.size(), settings);
     const Pose output = make_pose({-origin.x(), -origin.y(), 0}, {0, 0, 0});
-    ASSERT_TRUE(merger.add(0, scan, output * scanner.pose()));
+    merger.set_footprint(Footprint(outline).transformed(output));
+    sim::Rng rng(1);
+    for (std::size_t s = 0; s < scanners.size(); ++s) {
+      const double between = sweep_s / (scanners[s].field / scanners[s].increment);
+      PlanarScan scan;
+      const auto place = [&](std::size_t beam) { return pose(begin + static_cast<double>(beam) * between); };
+      if (moves)
+        scanners[s].measure(world, place, rng, scan);
+      else
+        scanners[s].measure(world, rng, scan);
+      for (std::size_t i = 0; i < scan.beams; ++i)
+        if (rng.uniform() < invalid) scan.set_without_hit(i, BeamStatus::invalid);
+      scan.stamp = t0 + span_from_seconds(begin);
+      scan.time_increment = static_cast<float>(between);
+      ASSERT_TRUE(merger.add(s, scan, output * scanners[s].pose()));
+    }
+    PoseTrack track;
+    for (int i = 0; i <= 102; ++i) {
+      const sim::Pose2 at = pose(0.01 * i);
+      track.add(t0 + span_from_seconds(0.01 * i), make_pose({at.x, at.y, 0}, {0, 0, at.yaw}));
+    }
     MergeMoment moment;
     moment.at = t0 + span_from_seconds(instant);
     moment.output_from_base = output;
-    if (speed != 0) moment.track = &track;
-    merger.merge(moment, {1}, {{Profile::strict, &strict}, {Profile::safety, &safety}}, nullptr);
+    if (moves) moment.track = &track;
+    merger.merge(moment, std::vector<char>(scanners.size(), 1),
+                 {{Profile::strict, &strict}, {Profile::safety, &safety}}, nullptr);
   }
   /// Beams that end at the world before `limit` m, and those of them that are free in either profile.
   void count(double limit) {
@@ -64,9 +78,12 @@ struct PostScene {
   }
 
   sim::FlatWorld world;
-  sim::FlatScanner scanner;
+  std::vector<sim::FlatScanner> scanners{1};
+  std::vector<Eigen::Vector2d> outline;
   Eigen::Vector2d origin{0, 0};
   double range_max = 12;
+  double sweep_s = 0.06;
+  double invalid = 0;  // share of the beams
   PlanarScan strict, safety;
   int blocked = 0, free = 0;
 };
@@ -77,8 +94,8 @@ TEST(HidingPosts, TheStripBesideTheFirstBeamOfAVehicleThatDrovePastIsNotSeen) {
     for (const double speed : {-1.0, -2.0, 2.0}) {
       for (const double y : {-1.5, -3.0, -6.0}) {
         PostScene scene;
-        scene.scanner.field = field * degree;
-        scene.scanner.increment = 0.5 * degree;
+        scene.scanners[0].field = field * degree;
+        scene.scanners[0].increment = 0.5 * degree;
         const double aside = -speed * 0.1 / 2;
         scene.world.add_box({field > 200 ? aside + y : aside, y}, {0.04, 0.04}, 0);
         scene.look(speed, 0.04);
@@ -99,7 +116,7 @@ TEST(HidingPosts, WhatStandsBehindAPostOnTheNextBeamDoesNotFreeItsOtherHalf) {
       for (const Eigen::Vector2d& origin :
            {Eigen::Vector2d(5, 3), Eigen::Vector2d(5, 6), Eigen::Vector2d(7, 5)}) {
         PostScene scene;
-        scene.scanner.increment = increment * degree;
+        scene.scanners[0].increment = increment * degree;
         scene.origin = origin;
         constexpr double away = 10, right = 0.01;
         const double apart = away * std::sin(increment * degree), left = -0.9 * apart;
@@ -128,9 +145,9 @@ TEST(HidingPosts, TheSeamOfAFullCircleIsAsAnyOtherPlace) {
     for (const bool inclusive : {false, true}) {
       for (const double side : {4.0, -4.0}) {
         PostScene scene;
-        scene.scanner.increment = increment * degree;
-        scene.scanner.field = (360 - (inclusive ? 0 : increment)) * degree;
-        scene.scanner.yaw = inclusive ? 0 : -increment / 2 * degree;
+        scene.scanners[0].increment = increment * degree;
+        scene.scanners[0].field = (360 - (inclusive ? 0 : increment)) * degree;
+        scene.scanners[0].yaw = inclusive ? 0 : -increment / 2 * degree;
         const double apart = 10 * increment * degree;
         // From the last beam nearly to the first one, in a frame with x to the seam.
         const double from = inclusive ? 0.07 * apart : -apart - 0.01,
@@ -156,7 +173,7 @@ TEST(HidingPosts, PostsBesideTheWayOfAVehicleAreSeenWhole) {
         for (const double half : {0.05, 0.08}) {
           for (const double ahead : {2.0, -2.0}) {
             PostScene scene;
-            scene.scanner.increment = increment * degree;
+            scene.scanners[0].increment = increment * degree;
             const double a = azimuth * degree;
             scene.world.add_box({away * std::cos(a), away * std::sin(a)}, {half, half}, 0);
             scene.origin = {ahead, 0};
@@ -182,6 +199,98 @@ TEST(HidingPosts, PostsBesideTheWayOfAVehicleAreSeenWhole) {
   }
   EXPECT_GT(blocked, 2000);
   EXPECT_LE(free, blocked / 500) << "of " << blocked;
+}
+
+TEST(HidingPosts, TheEndsOfAFullCircleAreNoNeighboursWhileTheVehicleMoves) {
+  int blocked = 0;
+  const auto expect_none_free = [&](const Eigen::Vector2d& post, double half, const Eigen::Vector2d& origin,
+                                    const sim::Pose2& speed) {
+    PostScene scene;
+    scene.scanners[0].increment = 0.5 * degree;
+    scene.scanners[0].field = 359.5 * degree;
+    scene.sweep_s = 0.1;
+    scene.world.add_box(post, {half, half}, std::atan2(post.y(), post.x()));
+    scene.origin = origin;
+    scene.look(speed, 0);
+    scene.count(11.5);
+    blocked += scene.blocked;
+    EXPECT_EQ(scene.free, 0) << "of " << scene.blocked << ", post at " << post.transpose() << ", from "
+                             << origin.transpose();
+  };
+  for (const Eigen::Vector2d& origin : {Eigen::Vector2d(0, 0), Eigen::Vector2d(-1, 1.5)}) {
+    for (const double turn : {-1.0, -2.0}) {
+      // In the middle of what neither end saw.
+      const double middle = pi_d - turn * 0.1 / 2, half = 6 * std::tan(-turn * 0.1 / 2) * 0.8;
+      expect_none_free({6 * std::cos(middle), 6 * std::sin(middle)}, half, origin, {0, 0, turn});
+    }
+    for (const double aside : {5.0, -5.0, 2.0})
+      expect_none_free({-2, -aside * 0.05}, std::fabs(aside) * 0.035, origin, {0, aside, 0});
+  }
+  EXPECT_GT(blocked, 200);
+}
+
+TEST(HidingPosts, TheFirstBeamOfAVehicleThatDrovePastAPostFreesNoneOnIt) {
+  int blocked = 0, free = 0;
+  for (const double increment : {0.25, 0.5, 1.0}) {
+    for (const double speed : {-2.0, -5.0}) {
+      for (double x = -0.02; x < 0.35; x += 0.03) {
+        for (const double y : {-1.0, -2.0, -4.0}) {
+          PostScene scene;
+          scene.scanners[0].field = 180 * degree;
+          scene.scanners[0].increment = increment * degree;
+          scene.world.add_box({x, y}, {0.05, 0.05}, 0);
+          scene.look(speed);
+          scene.count(11);
+          blocked += scene.blocked;
+          free += scene.free;
+        }
+      }
+    }
+  }
+  EXPECT_GT(blocked, 1000);
+  EXPECT_EQ(free, 0) << "of " << blocked;
+}
+
+/// A vehicle of 2 m x 1 m with a scanner on each of two opposite corners.
+PostScene pair_of_scanners(double sweep_s) {
+  PostScene scene;
+  scene.sweep_s = sweep_s;
+  scene.outline = {{-1, -0.5}, {1, -0.5}, {1, 0.5}, {-1, 0.5}};
+  scene.scanners.assign(2, {});
+  for (std::size_t s = 0; s < 2; ++s) {
+    scene.scanners[s].increment = 0.5 * degree;
+    scene.scanners[s].at = s == 0 ? Eigen::Vector2d(1, 0.5) : Eigen::Vector2d(-1, -0.5);
+    scene.scanners[s].yaw = (s == 0 ? 45 : -135) * degree;
+  }
+  return scene;
+}
+
+TEST(HidingPosts, WhereTheVehicleWasNothingElseWas) {
+  for (const double speed : {1.0, 2.0, 5.0, -2.0, -5.0}) {
+    for (const double sweep_s : {0.04, 0.1}) {
+      PostScene scene = pair_of_scanners(sweep_s);
+      scene.look(speed, 0.02);
+      scene.count(std::numeric_limits<double>::infinity());
+      EXPECT_EQ(scene.free, 2 * scene.blocked) << speed << " m/s, sweep of " << sweep_s << " s";
+    }
+  }
+}
+
+TEST(HidingPosts, SingleBeamsWithoutEvidenceOfAVehicleThatDrivesCostLittle) {
+  PostScene scene = pair_of_scanners(0.1);
+  scene.invalid = 0.03;
+  for (int post = 0; post < 12; ++post) {
+    const double azimuth = (30 * post + 15) * degree;
+    scene.world.add_box({8 * std::cos(azimuth), 8 * std::sin(azimuth)}, {0.3, 0.5}, azimuth);
+  }
+  scene.look(5, 0);
+  scene.count(11);
+  int hits = 0;
+  for (std::size_t i = 0; i < scene.strict.beams; ++i)
+    hits += scene.strict.statuses[i] == BeamStatus::hit ? 1 : 0;
+  EXPECT_GT(scene.blocked, 300);
+  EXPECT_GT(hits, scene.blocked * 3 / 4);
+  EXPECT_LE(scene.free, 2) << "of " << scene.blocked;
 }
 
 }  // namespace
