@@ -26,14 +26,16 @@ Footprint::Footprint(std::vector<Eigen::Vector2d> vertices) : vertices_(std::mov
 }
 
 bool Footprint::contains(const Eigen::Vector2d& point) const {
-  bool inside = false;
+  // The winding number, since the padded sides of a narrow slit overlap.
+  int turns = 0;
   for (std::size_t i = 0, j = vertices_.size() - 1; i < vertices_.size(); j = i++) {
-    const Eigen::Vector2d& a = vertices_[i];
-    const Eigen::Vector2d& b = vertices_[j];
+    const Eigen::Vector2d& a = vertices_[j];
+    const Eigen::Vector2d& b = vertices_[i];
     if ((a.y() > point.y()) == (b.y() > point.y())) continue;
-    if (point.x() < (b.x() - a.x()) * (point.y() - a.y()) / (b.y() - a.y()) + a.x()) inside = !inside;
+    const bool is_right = point.x() < (b.x() - a.x()) * (point.y() - a.y()) / (b.y() - a.y()) + a.x();
+    if (is_right) turns += b.y() > a.y() ? 1 : -1;
   }
-  return inside;
+  return turns > 0;
 }
 
 std::vector<Footprint::Crossing> Footprint::crossings(const Eigen::Vector2d& origin,

@@ -46,9 +46,10 @@ void RingScan::gather(const Cloud& cloud) {
   double times = 0;
   std::size_t counted = 0;
   std::size_t near = 0;
+  bool again = false;
   for (std::size_t c = 0; c < cloud.columns.size(); ++c) {
     const CloudColumn& column = cloud.columns[c];
-    const bool again = c > 0 && same_firing(cloud.columns[c - 1], column);
+    again = again && same_firing(cloud.columns[c - 1], column);
     if (c > 0) position += azimuth_step(cloud.columns[c - 1], column);
     Firing firing{position, 0, 0, BeamStatus::none};
     while (near < cloud.too_near.size() && cloud.too_near[near].column < c) ++near;
@@ -69,11 +70,11 @@ void RingScan::gather(const Cloud& cloud) {
     }
     // Perhaps the ring was not fired.
     if (cloud.bank_by_bank && firing.status == BeamStatus::none) continue;
-    if (!again) {
-      firings_.push_back(firing);
-    } else {
+    if (again)
       merge_echo(firing);
-    }
+    else
+      firings_.push_back(firing);
+    again = true;
   }
   if (counted == 0) return;
   offset_rad_ = offsets / static_cast<double>(counted);

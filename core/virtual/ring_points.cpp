@@ -173,7 +173,7 @@ bool RingGrid::measure_step(const Cloud& cloud) {
   std::size_t most = 0;
   for (const auto& steps : steps_) most = std::max(most, steps.size());
   for (auto& steps : steps_) {
-    // A ring with few returns, e.g. of leaves, shows gaps instead of steps.
+    // A ring with few returns shows gaps instead of steps.
     if (steps.size() < std::max(fewest_steps, most / 16)) continue;
     const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
     std::nth_element(steps.begin(), middle, steps.end());
@@ -186,7 +186,8 @@ bool RingGrid::measure_step(const Cloud& cloud) {
       sum += step;
       count += 1;
     }
-    if (count > 0) coarsest = std::max(coarsest, sum / count);
+    // The gaps of a ring that hits leaves differ.
+    if (2 * count > static_cast<float>(steps.size())) coarsest = std::max(coarsest, sum / count);
   }
   if (!(coarsest > 0)) return false;
   const auto step = static_cast<double>(turn / std::round(turn / coarsest));

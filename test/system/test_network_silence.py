@@ -111,12 +111,12 @@ def asks_for_connection(raw, address):
 def half_open(device):
     """The connection is found dead and the next one tried at most 2 s after the last sign of the device."""
     starved, name = Starved(), device.name
-    since = time.time()
     with device.network.among_lidars():
         raw = socket.socket(socket.AF_PACKET, socket.SOCK_RAW | socket.SOCK_NONBLOCK)
     with raw:
         raw.bind(("dev-lidar0", 0x0800))
         device.power_cut()
+        since = time.time()
         wait_for(lambda: asks_for_connection(raw, ADDRESSES[name]), 10, f"{name}: the next attempt to connect")
     check(f"{name} half-open: next attempt to connect", time.time() - since, 2, starved)
     fell_silent(name, since, starved, "half-open")

@@ -140,6 +140,18 @@ TEST(Footprint, ARayThroughTwoPartsOfItCrossesItTwice) {
   EXPECT_TRUE(std::isinf(rays.own_from(0, 4.1F)));
 }
 
+TEST(Footprint, TheSidesOfANarrowSlitOverlapWhenPadded) {
+  for (const double width : {0.02, 0.05, 0.09}) {
+    const double w = width / 2;
+    const Footprint body({{-1, -0.6}, {1, -0.6}, {1, -w}, {0.4, -w}, {0.4, w}, {1, w}, {1, 0.6}, {-1, 0.6}});
+    const Footprint padded = body.padded(0.05);
+    for (double y = -0.64; y < 0.65; y += 0.005) EXPECT_TRUE(padded.contains({0.7, y})) << width << ' ' << y;
+    const auto crossings = padded.crossings({0, 0}, {1, 0});
+    ASSERT_EQ(crossings.size(), 1U) << width;
+    EXPECT_NEAR(crossings[0].out, 1.05, 1e-9);
+  }
+}
+
 TEST(Footprint, ASpikeIsCutOffAtFourMargins) {
   const Footprint spike = Footprint({{0, -0.01}, {10, 0}, {0, 0.01}}).padded(0.1);
   EXPECT_TRUE(spike.contains({10.3, 0}));

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 
+#include "test/core/virtual/small_lidar.h"
 #include "test/support/allocations.h"
 
 namespace lidard {
@@ -197,25 +198,9 @@ TEST(RingScan, DoesNotConnectANearObjectWithTheWallBehind) {
 }
 
 TEST(RingScan, TakesTheNearerOfTwoEchoes) {
-  Cloud cloud = revolution([](double) { return 5.0; });
-  const Cloud nearer = revolution([](double direction) { return direction > 0 ? 3.0 : inf(); });
-  Cloud both = cloud;
-  both.columns.clear();
-  PointBytes bytes;
-  for (std::size_t c = 0; c < cloud.columns.size(); ++c) {
-    const Cloud* sources[] = {&cloud, &nearer};
-    for (std::uint8_t echo = 0; echo < 2; ++echo) {
-      const Cloud& from = *sources[echo];
-      CloudColumn column = from.columns[c];
-      const std::size_t end = c + 1 < from.columns.size() ? from.columns[c + 1].first_point : from.size();
-      const auto* begin = from.points_bytes.data() + column.first_point * sizeof(CloudPoint);
-      column.first_point = static_cast<std::uint32_t>(bytes.size() / sizeof(CloudPoint));
-      column.echo = echo;
-      bytes.insert(bytes.end(), begin, from.points_bytes.data() + end * sizeof(CloudPoint));
-      both.columns.push_back(column);
-    }
-  }
-  both.points_bytes = bytes;
+  const Cloud both =
+      test::rings::both_echoes(revolution([](double) { return 5.0; }),
+                               revolution([](double direction) { return direction > 0 ? 3.0 : inf(); }));
   RingScan ring(spec_of());
   PlanarScan scan;
   ASSERT_TRUE(ring.convert(both, scan));
@@ -223,6 +208,23 @@ TEST(RingScan, TakesTheNearerOfTwoEchoes) {
     const double direction = std::remainder(static_cast<double>(scan.angle(i)), turn);
     if (std::fabs(direction) < 0.02 || std::fabs(direction) > 3.12) continue;
     ASSERT_NEAR(scan.ranges[i], direction > 0 ? 3 : 5, 0.001) << direction;
+  }
+}
+
+TEST(RingScan, AFiringOfWhichOnlyTheSecondEchoCameBackIsABeamOfItsOwn) {
+  Head head;
+  head.bank_by_bank = true;
+  const auto ahead = [](double direction) { return std::fabs(direction) < 0.3; };
+  const Cloud both = test::rings::both_echoes(
+      revolution([&](double direction) { return ahead(direction) ? inf() : 5.0; }, head),
+      revolution([&](double direction) { return ahead(direction) ? 3.0 : inf(); }, head));
+  RingScan ring(spec_of());
+  PlanarScan scan;
+  ASSERT_TRUE(ring.convert(both, scan));
+  for (std::size_t i = 0; i < scan.beams; ++i) {
+    const double direction = std::remainder(static_cast<double>(scan.angle(i)), turn);
+    if (std::fabs(std::fabs(direction) - 0.3) < 0.02) continue;
+    ASSERT_NEAR(scan.ranges[i], ahead(direction) ? 3 : 5, 0.001) << direction;
   }
 }
 

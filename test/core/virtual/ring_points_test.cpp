@@ -146,6 +146,18 @@ TEST(RingPoints, ARingWithFewReturnsTellsNoStep) {
   EXPECT_EQ(grid.columns(), 360U);
 }
 
+TEST(RingPoints, ARingThatHitsLeavesTellsNoStep) {
+  RingGrid grid({});
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    SmallLidar lidar(seed);
+    lidar.columns = 720;
+    for (std::size_t column = 0; column < lidar.columns; ++column)
+      if (lidar.rng.uniform() > 0.3) lidar.missing.insert({column, 4});
+    ASSERT_TRUE(grid.organise(without_columns(lidar.cloud(), seed)));
+    ASSERT_EQ(grid.columns(), 720U) << seed;
+  }
+}
+
 TEST(RingPoints, FollowsADeviceThatIsSetToOtherSteps) {
   RingGridSettings settings;
   settings.no_return_free_range = 40;
