@@ -20,7 +20,6 @@ constexpr double most_cells = 65000;
 constexpr float widest_step = 0.2F;  // rad
 // m from a scanner to the way of a beam: nearer, nothing is overlooked between them.
 constexpr float least_aside = 0.005F;
-constexpr float beyond = 1e6F;  // m
 
 }  // namespace
 
@@ -229,21 +228,18 @@ void FreeSpaceMap::fill(const PlacedScan& sweep) {
 void FreeSpaceMap::limit(float begin, float end, float from, float a, float b, bool hides) {
   // Both ends of a stretch are included, so that no cell between two stretches is left out.
   constexpr float slack = 0.01F;
-  const auto count = static_cast<std::int32_t>(size());
   const float width = end - begin;
   const auto first = static_cast<std::int32_t>(std::ceil(std::min(begin, end) - 0.5F - slack));
   const float last = std::max(begin, end) - 0.5F + slack;
   for (std::int32_t cell = first; static_cast<float>(cell) <= last; ++cell) {
-    const auto inside = static_cast<std::size_t>(cell < 0        ? cell + count
-                                                 : cell >= count ? cell - count
-                                                                 : cell);
+    const std::size_t at = inside(cell);
     const float share = std::fabs(width) > slack ? (static_cast<float>(cell) + 0.5F - begin) / width : 0.0F;
     const float within = std::clamp(share, 0.0F, 1.0F);
     const float to = a == b ? a : a * b / (b + within * (a - b));
-    starts_[inside] = std::max(starts_[inside], from);
-    if (ends_[inside] >= 0 && to >= ends_[inside]) continue;
-    ends_[inside] = to;
-    hides_[inside] = hides ? 1 : 0;
+    starts_[at] = std::max(starts_[at], from);
+    if (ends_[at] >= 0 && to >= ends_[at]) continue;
+    ends_[at] = to;
+    hides_[at] = hides ? 1 : 0;
   }
 }
 
@@ -273,27 +269,42 @@ void FreeSpaceMap::limit_pair(const PlacedScan& sweep, std::size_t beam, std::si
         sweep.kind[nearer ? after : beam] != Return::nothing);
 }
 
-/// Beside the outermost beam of a field, and beside beams without evidence, nobody has seen the strip between
-/// the scanner's present place and the way of the beam, which began elsewhere. `outward`: cells to that side.
-void FreeSpaceMap::begin_later(const PlacedScan& sweep, std::size_t beam, float outward) {
-  constexpr float housing = 0.3F;  // m from the scanner
+FreeSpaceMap::Edge FreeSpaceMap::edge_of(const PlacedScan& sweep, std::size_t beam, float outward) const {
   const float x = sweep.free_x[beam], y = sweep.free_y[beam];
   const float dx = sweep.origin_x[beam], dy = sweep.origin_y[beam];
   const float length = std::max(std::hypot(x - dx, y - dy), 1e-3F);
-  // m by which the scanner is beside the beam's line, on the side that was not seen.
-  const float aside = (outward > 0 ? 1.0F : -1.0F) * (dx * y - dy * x) / length;
-  if (aside < least_aside) return;
-  const auto count = static_cast<std::int32_t>(size());
-  // Cells from the beam's direction, two half beams to the outside and as far as the strip reaches.
-  const float towards = (fast_atan2(y - dy, x - dx) + static_cast<float>(pi_d)) * per_rad_;
-  const float end = std::min(aside / housing, 1.5F) * per_rad_;
-  for (float inward = -2 * std::fabs(half_beam_); inward <= end; ++inward) {
-    const auto cell = static_cast<std::int32_t>(std::floor(towards + (outward > 0 ? -inward : inward)));
-    const auto inside = static_cast<std::size_t>(cell < 0        ? cell + count
-                                                 : cell >= count ? cell - count
-                                                                 : cell);
-    const float sine = std::sin(std::max(inward, 0.0F) / per_rad_);
-    starts_[inside] = std::max(starts_[inside], sine > 0 ? aside / sine : beyond);
+  const float sign = outward > 0 ? 1.0F : -1.0F;
+  return {(fast_atan2(y - dy, x - dx) + static_cast<float>(pi_d)) * per_rad_, sign,
+          sign * (dx * y - dy * x) / length};
+}
+
+/// Beside the outermost beam of a field, and beside beams without evidence, nobody has seen the strip between
+/// the scanner's present place and the way of the beam, which began elsewhere.
+void FreeSpaceMap::begin_later(const Edge& edge, bool keeps_near) {
+  constexpr float housing = 0.3F;  // m from the scanner
+  if (edge.aside < least_aside) return;
+  // From half a beam on the unseen side as far as the strip reaches.
+  const float end = std::min(edge.aside / housing, 1.5F) * per_rad_;
+  for (float inward = -std::fabs(half_beam_); inward <= end; ++inward) {
+    const std::size_t cell = cell_at(edge.towards - edge.outward * inward);
+    const float from = edge.aside / std::max(std::sin(inward / per_rad_), 1e-6F);
+    if (!keeps_near || from < ends_[cell]) starts_[cell] = std::max(starts_[cell], from);
+  }
+}
+
+/// What a return hides begins at the way of the beam that passed it, if the scanner is on the other side of
+/// that now.
+void FreeSpaceMap::end_earlier(const Edge& edge, float hit) {
+  if (edge.aside > -least_aside) return;
+  const auto count = static_cast<float>(size());
+  const float turn = hit - edge.towards;
+  const float span = edge.outward * (turn - count * std::round(turn / count));
+  for (float within = 0; within <= span; ++within) {
+    const std::size_t cell = cell_at(edge.towards + edge.outward * within);
+    const float to = -edge.aside / std::max(std::sin(within / per_rad_), 1e-6F);
+    if (to >= ends_[cell]) continue;
+    ends_[cell] = to;
+    hides_[cell] = 1;
   }
 }
 
@@ -338,6 +349,7 @@ void FreeSpaceMap::fill_moved(const PlacedScan& sweep) {
     return true;
   };
   const bool joined = beams > 2 && joins_ends(sweep);
+  passed_.clear();
   for (std::size_t i = 0; i < beams; ++i) {
     if (!is_free(i)) continue;
     const float at = azimuths_[i];
@@ -346,11 +358,11 @@ void FreeSpaceMap::fill_moved(const PlacedScan& sweep) {
     const std::size_t after = i + 1 < beams ? i + 1 : joined ? 0 : beams;
     if (!is_free(before)) {
       limit(at - half_beam_, at, begins_[i], lengths_[i], lengths_[i], hides);
-      if (is_outer(i, ~std::size_t{0})) begin_later(sweep, i, -half_beam_);
+      if (is_outer(i, ~std::size_t{0})) begin_later(edge_of(sweep, i, -half_beam_), false);
     }
     if (!is_free(after)) {
       limit(at, at + half_beam_, begins_[i], lengths_[i], lengths_[i], hides);
-      if (is_outer(i, 1)) begin_later(sweep, i, half_beam_);
+      if (is_outer(i, 1)) begin_later(edge_of(sweep, i, half_beam_), false);
       continue;
     }
     float step = azimuths_[after] - at;
@@ -366,6 +378,15 @@ void FreeSpaceMap::fill_moved(const PlacedScan& sweep) {
       limit(azimuths_[k] - 2 * half_beam_, azimuths_[k] + 2 * half_beam_, begins_[k], lengths_[k],
             lengths_[k], true);
     }
+    const bool nearer = lengths_[i] <= lengths_[after];
+    const std::size_t hit = nearer ? i : after;
+    if (sweep.kind[hit] == Return::nothing) continue;
+    passed_.push_back(
+        {edge_of(sweep, nearer ? after : i, nearer ? -half_beam_ : half_beam_), azimuths_[hit]});
+  }
+  for (const auto& [edge, hit] : passed_) {
+    begin_later(edge, true);
+    end_earlier(edge, hit);
   }
 }
 

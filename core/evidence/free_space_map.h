@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "core/evidence/placed_scan.h"
@@ -157,8 +158,26 @@ class FreeSpaceMap {
   /// fill() for a moving vehicle: the ends of the beams may lie in any order.
   void fill_moved(const PlacedScan& sweep);
   void limit_pair(const PlacedScan& sweep, std::size_t beam, std::size_t after, float step);
-  void begin_later(const PlacedScan& sweep, std::size_t beam, float outward);
+  /// A beam beside which nobody looked. `outward`: cells to the unseen side; of the result only the sign.
+  struct Edge {
+    float towards;  // cells from -pi, direction of the beam
+    float outward;
+    float aside;  // m, from the beam's line to the scanner's present place; positive on the unseen side
+  };
+  Edge edge_of(const PlacedScan& sweep, std::size_t beam, float outward) const;
+  /// `keeps_near`: a free way that ends before the seen part stays.
+  void begin_later(const Edge& edge, bool keeps_near);
+  /// `hit`: direction of the return now, cells from -pi.
+  void end_earlier(const Edge& edge, float hit);
   bool joins_ends(const PlacedScan& sweep) const;
+  /// The cell that holds a direction at most one turn outside, cells from -pi.
+  std::size_t cell_at(float direction) const {
+    return inside(static_cast<std::int32_t>(std::floor(direction)));
+  }
+  std::size_t inside(std::int32_t cell) const {
+    const auto count = static_cast<std::int32_t>(size());
+    return static_cast<std::size_t>(cell < 0 ? cell + count : cell >= count ? cell - count : cell);
+  }
   /// Limits the free ways in cells [begin, end] (cells from -pi; either may be the larger) to lengths that
   /// change from `a` to `b`.
   void limit(float begin, float end, float from, float a, float b, bool hides);
@@ -169,15 +188,17 @@ class FreeSpaceMap {
 
   float x_ = 0, y_ = 0;
   float per_meter_ = 1;
-  float per_rad_ = 1;                 // cells
-  float half_beam_ = 0;               // cells to the border to the next beam, signed
-  bool closed_ = false;               // the last beam is the neighbour of the first one
-  float passed_share_ = 0;            // share of the angle between two beams that belongs to the longer one
-  std::vector<char> hides_;           // per cell: the free way ends at a return
-  std::vector<Run> runs_;             // by length (1, 2, 4 ... cells), then by first cell
-  std::vector<float> azimuths_;       // cells from -pi, of the ends of moved beams
-  std::vector<float> lengths_;        // m, free ways of moved beams
-  std::vector<float> begins_;         // m, where these begin
+  float per_rad_ = 1;            // cells
+  float half_beam_ = 0;          // cells to the border to the next beam, signed
+  bool closed_ = false;          // the last beam is the neighbour of the first one
+  float passed_share_ = 0;       // share of the angle between two beams that belongs to the longer one
+  std::vector<char> hides_;      // per cell: the free way ends at a return
+  std::vector<Run> runs_;        // by length (1, 2, 4 ... cells), then by first cell
+  std::vector<float> azimuths_;  // cells from -pi, of the ends of moved beams
+  std::vector<float> lengths_;   // m, free ways of moved beams
+  std::vector<float> begins_;    // m, where these begin
+  /// Of returns that moved away from their neighbours in direction: the beam that passed, and where it is.
+  std::vector<std::pair<Edge, float>> passed_;
   std::vector<float> starts_, ends_;  // m, of each cell's free way; end < 0: none
   std::vector<Slot> slots_;
 };

@@ -5,19 +5,15 @@
 #include <algorithm>
 #include <cmath>
 #include <thread>
+#include <utility>
 
 #include "core/base/number_text.h"
 #include "daemon/commands/progress.h"
 #include "daemon/pipeline/log.h"
+#include "drivers/capture/tcp_reassembler.h"
 #include "drivers/net/wall_clock.h"
 
 namespace lidard {
-namespace {
-
-/// Packets whose order was mixed up, or that came after a hole in a connection, are not so old.
-constexpr Span set_back = std::chrono::seconds(10);
-
-}  // namespace
 
 Player::Player(const ReplayOptions& options, MergedCapture& capture, Pipeline& pipeline)
     : rest([](auto until) { std::this_thread::sleep_until(until); }),
@@ -58,31 +54,78 @@ bool Player::wait_for(Stamp stamp, const std::function<bool()>& stop) {
   return !stop();
 }
 
-void Player::follow_clock(Stamp arrival) {
+bool Player::next(Packet& packet) {
+  at_hand_.reset();
+  if (held_.empty()) return capture_.next(packet);
+  at_hand_.emplace(std::move(held_.front()));
+  held_.pop_front();
+  packet = at_hand_->packet;
+  return true;
+}
+
+const Packet* Player::peek(std::size_t place) {
+  for (Packet packet; held_.size() <= place; held_.emplace_back(packet)) {
+    if (!capture_.next(packet)) return nullptr;
+  }
+  return &held_[place].packet;
+}
+
+bool Player::is_stray(Packet& packet, Span step) {
+  constexpr std::size_t most_held = 10'000;
+  // Reading ahead invalidates a packet that the capture holds.
+  if (!at_hand_) packet.payload = at_hand_.emplace(packet).packet.payload;
+  for (std::size_t place = 0; place < most_held; ++place) {
+    const Packet* const later = peek(place);
+    if (later == nullptr) break;
+    const Span since = later->arrival - round_.hidden - packet.arrival;
+    // Half, so that a clock that was set back by just over the limit is not taken for its former self.
+    if (std::chrono::abs(since) >= restart_limit / 2)
+      return std::chrono::abs(since + step) < std::chrono::abs(since);
+  }
+  // No later packet shows it. It is one if a clock is known that is as far away.
+  return std::chrono::abs(step - round_.stray) < restart_limit;
+}
+
+bool Player::follow_clock(Packet& packet) {
   constexpr Span longest_silence = std::chrono::minutes(1);
-  const Span ahead = arrival - last_;
-  if (ahead > -set_back && ahead < longest_silence) return;
-  log_warn("after {:.1f} s the capture's clock goes {} by {:.1f} s; the replay does not wait for it",
-           played_s(), ahead > Span(0) ? "ahead" : "back", std::abs(seconds(ahead)));
-  begin_ = begin_ + ahead;
-  last_ = arrival;
+  // A chunk of a connection may have waited behind a hole.
+  const Span set_back =
+      restart_limit + (packet.transport == Transport::tcp ? TcpReassembler::patience : Span(0));
+  packet.arrival = packet.arrival - round_.hidden;
+  const Span step = packet.arrival - round_.newest;
+  const bool is_near = step > -set_back && step < restart_limit;
+  const bool is_other = !is_near && is_stray(packet, step);
+  const bool was_set = !is_near && !is_other && (step < Span(0) || step >= longest_silence);
+  if (is_other) {
+    if (std::chrono::abs(step - round_.stray) >= restart_limit) round_.stray = step;
+    packet.arrival = packet.arrival - round_.stray;
+  } else if (was_set) {
+    log_warn("after {:.1f} s the capture's clock goes {} by {:.1f} s; the replay does not wait for it",
+             played_s(), step > Span(0) ? "ahead" : "back", std::abs(seconds(step)));
+    if (options_.loop || options_.restamp) {
+      round_.hidden += step;
+      packet.arrival = round_.newest;
+    } else {
+      for (Stamp* const moved : {&begin_, &last_, &round_.begin, &round_.newest}) *moved = *moved + step;
+    }
+  }
+  round_.newest = std::max(round_.newest, packet.arrival);
+  return !was_set;
 }
 
 void Player::show_time(Stamp stamp) {
-  if (stamp > shown_ || shown_ - stamp > set_back) shown_ = stamp;
-  if (on_time) on_time(shown_);
+  last_ = std::max(last_, stamp);
+  if (on_time) on_time(last_);
 }
 
 bool Player::play_once(const std::function<bool()>& stop) {
   Progress progress;
   const double played_before = played_s();
-  Packet packet;
   bool first = true, begun = false;
-  Stamp capture_begin{};
-  while (capture_.next(packet)) {
-    if (first) capture_begin = packet.arrival;
-    first = false;
-    const double into = seconds(packet.arrival - capture_begin);
+  for (Packet packet; next(packet);) {
+    if (std::exchange(first, false)) round_ = {packet.arrival, packet.arrival};
+    const bool waits = follow_clock(packet);
+    const double into = seconds(packet.arrival - round_.begin);
     if (!begun && into < options_.start) {
       ++skipped_;
       continue;
@@ -97,9 +140,8 @@ bool Player::play_once(const std::function<bool()>& stop) {
       begin_ = first_ = last_ = packet.arrival;
       wall_begin_ = std::chrono::steady_clock::now();
     }
-    follow_clock(packet.arrival);
-    if (!wait_for(packet.arrival, stop)) return false;
-    last_ = std::max(last_, packet.arrival);
+    // The time that a clock was set ahead by has no events.
+    if (waits && !wait_for(packet.arrival, stop)) return false;
     show_time(packet.arrival);
     pipeline_.packet(packet);
     pipeline_.tick(packet.arrival);
@@ -125,6 +167,7 @@ void Player::play(const std::function<bool()>& stop) {
     pipeline_.finish(last_);
     pipeline_.restart();
     capture_.rewind();
+    held_.clear();
     // first_ is that of the first round, so the shift grows by one round per repetition.
     loop_shift_ = restamp_shift_ + (last_ - first_) + options_.loop_gap;
     more = play_once(stop);

@@ -3,8 +3,12 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <functional>
+#include <optional>
+#include <vector>
 
 #include "daemon/commands/commands.h"
 #include "daemon/pipeline/pipeline.h"
@@ -35,8 +39,17 @@ class Player {
 
  private:
   bool play_once(const std::function<bool()>& stop);
-  /// Goes on at the same pace where the clock of the capture was set, or nothing came for long.
-  void follow_clock(Stamp arrival);
+  /// The next packet, valid until the next call; false at the end of the capture.
+  bool next(Packet& packet);
+  /// The packet that follows that at hand after `place` others; nullptr: the capture ends before.
+  const Packet* peek(std::size_t place);
+  /// Whether the packet at hand, which is `step` away from those before, is of another clock: the next ones
+  /// continue by the former one.
+  bool is_stray(Packet& packet, Span step);
+  /// False: the clock of the capture was set before the packet, or nothing came for long; the replay
+  /// continues at its pace. Removes from the arrival by how much another clock is ahead, and from continuous
+  /// stamps the steps.
+  bool follow_clock(Packet& packet);
   /// The clock that subscribers see does not go back by single packets.
   void show_time(Stamp stamp);
   bool wait_for(Stamp stamp, const std::function<bool()>& stop);
@@ -50,7 +63,22 @@ class Player {
   Stamp first_{};  // of the first packet played
   Stamp last_{};
   Stamp next_{};
-  Stamp shown_{};
+  struct Held {
+    explicit Held(const Packet& from) : packet(from), bytes(from.payload.begin(), from.payload.end()) {
+      packet.payload = {bytes.data(), bytes.size()};
+    }
+    Packet packet;
+    std::vector<std::uint8_t> bytes;
+  };
+  std::optional<Held> at_hand_;  // unless the capture holds it
+  std::deque<Held> held_;        // read ahead
+  /// Times of the capture in this round, without what is hidden.
+  struct Round {
+    Stamp begin{}, newest{};
+    Span hidden{0};  // steps that the arrivals do not show
+    Span stray{0};   // by which the newest packet of another clock was ahead
+  };
+  Round round_;
   Span restamp_shift_{0};  // from the capture's stamps to those of the first round
   Span loop_shift_{0};     // from the capture's stamps to those of this round
   std::chrono::steady_clock::time_point wall_begin_;

@@ -103,6 +103,7 @@ class Daemon {
     if (const std::string trouble = socket_.start(runtime_socket_path()); !trouble.empty())
       log_warn("`lidard status` cannot ask this daemon: {}", trouble);
     sensors_.post([this](Stamp now) { sensors_.pipeline().tick(now); });
+    start_clouds(*config_);
     // Report READY once all sockets are open.
     in_clouds([] {}, [this] { came_up(); });
     sensors_.run();
@@ -124,18 +125,19 @@ class Daemon {
     if (!trouble_.empty()) return;
     if (const std::string why = last_good_.keep(*config_); !why.empty()) log_warn("{}", why);
   }
-  /// Runs `task` in the worker for clouds, whose thread is started when it first has sensors, then `then` in
-  /// this thread.
+  /// Starts the thread of the worker for clouds when it first has sensors. Throws std::system_error.
+  void start_clouds(const Config& config) {
+    if (!clouds_thread_.joinable() && has_clouds(config))
+      clouds_thread_ = std::thread([this] { run_clouds(); });
+  }
+  /// Runs `task` in the worker for clouds, then `then` in this thread.
   void in_clouds(std::function<void()> task, std::function<void()> then) {
     const auto work = [this, task = std::move(task), then = std::move(then)](Stamp now) {
       task();
       clouds_.pipeline().tick(now);
       sensors_.post([then](Stamp) { then(); });
     };
-    const bool runs = clouds_thread_.joinable();
-    if (!runs && !has_clouds(*config_)) return work(clock_.now());
-    clouds_.post(work);
-    if (!runs) clouds_thread_ = std::thread([this] { run_clouds(); });
+    clouds_thread_.joinable() ? clouds_.post(work) : work(clock_.now());
   }
   void run_clouds() {
     name_this_thread("lidard-clouds");
@@ -207,7 +209,10 @@ class Daemon {
   void change(std::shared_ptr<const Config> config, Stamp now) {
     for (const auto& warning : config->warnings) log_warn("{}", warning);
     try {
+      start_clouds(*config);
       ros_.change(*config_, *config);
+    } catch (const std::system_error& error) {
+      return end_reload(std::string("no thread can be started for the clouds: ") + error.what());
     } catch (const RosError& error) {
       return end_reload(error.what());
     }

@@ -9,6 +9,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
@@ -373,6 +374,10 @@ Value parse_yaml(const std::string& text, const std::string& file) {
 }
 
 std::string read_file(const std::string& path, const std::string& expected) {
+  // One that waits for a writer would hold up a reload, and with it the end of the daemon.
+  std::error_code ignored;
+  if (std::filesystem::is_fifo(path, ignored) && path.rfind("/dev/", 0) != 0)
+    throw ConfigError(path + ": is a pipe, not a file; expected " + expected);
   errno = 0;
   std::ifstream file(path, std::ios::binary);
   std::string text;

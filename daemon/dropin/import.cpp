@@ -294,7 +294,26 @@ class Importer {
     return pose;
   }
 
+  /// Throws ConfigError where a frame hangs from itself: then nothing has a root.
+  void refuse_loops() const {
+    for (const StaticTransform& begin : transforms_) {
+      std::string chain = begin.child;
+      const StaticTransform* up = &begin;
+      for (std::size_t steps = 0; steps < transforms_.size(); ++steps) {
+        chain += " in " + up->parent;
+        if (up->parent == begin.child)
+          throw ConfigError("the static transforms form a loop: " + chain +
+                            "; expected one parent per frame");
+        const auto next = std::find_if(transforms_.begin(), transforms_.end(),
+                                       [&](const StaticTransform& one) { return one.child == up->parent; });
+        if (next == transforms_.end()) break;
+        up = &*next;
+      }
+    }
+  }
+
   void place() {
+    refuse_loops();
     if (!base_.empty() && base_.front() == '/') base_.erase(0, 1);
     auto& sensors = section(config_.keys, "sensors");
     std::string root;

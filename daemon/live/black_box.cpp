@@ -158,6 +158,13 @@ void BlackBox::finish() {
 
 void BlackBox::configure(const BlackBoxConfig& config) {
   const bool same = config.megabytes == config_.megabytes && is_on() == (config.seconds > 0);
+  if (folder_of(config) != folder_of(config_)) {
+    trouble_.clear();
+    firsts_.clear();
+    kinds_.clear();
+    if (writing_) writing_->kinds.clear();
+  }
+  firsts_.resize(std::min(firsts_.size(), static_cast<std::size_t>(config.files) - 1));
   const std::lock_guard lock(mutex_);
   if (!same) ring_ = make_ring(config);
   config_ = config;

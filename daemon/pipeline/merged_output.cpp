@@ -107,16 +107,7 @@ class MergedOutput final : public Output {
     DiagnosticItem item = health_of("merged " + config_.name, sources_.counters, now, starting);
     sources_.describe(item, now, starting);
     describe_mounts(item);
-    std::uint64_t own = 0, seen_through = 0, mixed = 0;
-    for (std::size_t s = 0; s < config_.laserscan_topics.size(); ++s) {
-      const PlacedScan& sweep = merger_->last_sweep(s);
-      own += sweep.own_returns;
-      seen_through += sweep.seen_through;
-      mixed += sweep.mixed_pixels;
-    }
-    item.add("Returns on the vehicle", own);
-    item.add("Returns from behind the vehicle", seen_through);
-    item.add("Mixed pixels", mixed);
+    if (merger_->visibility() != nullptr) describe_returns(item);
     item.add("Sweeps replaced before use", merger_->superseded());
     item.add("Sweeps out of order", merger_->out_of_order());
     item.add("Sweeps with impossible times", merger_->bad_times());
@@ -182,6 +173,18 @@ class MergedOutput final : public Output {
     mount_check_.update(
         stamp, compared_, places_,
         poses_.track() != nullptr && std::none_of(sources_.uses().begin(), sources_.uses().end(), moved));
+  }
+  void describe_returns(DiagnosticItem& item) const {
+    std::uint64_t own = 0, seen_through = 0, mixed = 0;
+    for (std::size_t s = 0; s < config_.laserscan_topics.size(); ++s) {
+      const PlacedScan& sweep = merger_->last_sweep(s);
+      own += sweep.own_returns;
+      seen_through += sweep.seen_through;
+      mixed += sweep.mixed_pixels;
+    }
+    item.add("Returns on the vehicle", own);
+    item.add("Returns from behind the vehicle", seen_through);
+    item.add("Mixed pixels", mixed);
   }
   void describe_mounts(DiagnosticItem& item) const {
     const auto wrong = mount_check_.wrong_source();

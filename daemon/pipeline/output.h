@@ -126,6 +126,8 @@ class Output {
 
   virtual bool publishes(const std::string& topic) const = 0;
   virtual DiagnosticItem diagnostics(Stamp now, bool starting) const = 0;
+
+  Stamp begun{};  ///< when the configuration asked for it first
 };
 
 /// The output of an entry.

@@ -56,8 +56,9 @@ void Pipeline::configure(const Config& config) {
 void Pipeline::add_sensor(const SensorConfig& entry, std::size_t place, List<Sensor>& before) {
   const auto same = std::find_if(before.begin(), before.end(),
                                  [&](const auto& one) { return one && one->config() == entry; });
-  sensors_.push_back(same != before.end() ? std::move(*same)
-                                          : std::make_unique<Sensor>(entry, place, sensor_context_));
+  const bool is_new = same == before.end();
+  sensors_.push_back(is_new ? std::make_unique<Sensor>(entry, place, sensor_context_) : std::move(*same));
+  if (is_new) sensors_.back()->begun = sensor_context_.now;
   sensors_.back()->set_place(place);
   for (const Flow& flow : flows_of(entry)) flows_.add(flow, sensors_.back().get());
   if (entry.model != nullptr && entry.model->transport == Transport::tcp) tcp_ports_.insert(entry.ip_port);
@@ -67,8 +68,10 @@ template <class Entry>
 void Pipeline::add_output(const Entry& entry, List<Output>& before) {
   const auto same =
       std::find_if(before.begin(), before.end(), [&](const auto& one) { return one && one->is_of(entry); });
-  outputs_.push_back(same != before.end() ? std::move(*same) : make_output(entry, output_context_));
+  const bool is_new = same == before.end();
+  outputs_.push_back(is_new ? make_output(entry, output_context_) : std::move(*same));
   Output& output = *outputs_.back();
+  if (is_new) output.begun = sensor_context_.now;
   std::size_t place = 0;
   for (const std::string& name : output.sources()) outlet_.connect(outlet_.source(name), output, place++);
 }
@@ -298,17 +301,17 @@ std::string Pipeline::why_missing(const std::string& topic) const {
 
 std::vector<DiagnosticItem> Pipeline::diagnostics(Stamp now) const {
   std::vector<DiagnosticItem> items;
-  const bool starting = start_.is_starting(now);
   for (const auto& sensor : sensors_) {
     SensorReport report = sensor->report();
-    report.starting = starting;
+    report.starting = start_.is_starting(now, sensor->begun);
     items.push_back(sensor_health(sensor->config(), report, unknown_senders_, now));
   }
   for (const auto& sensor : sensors_) {
     if (auto item = sensor->settings(now)) items.push_back(std::move(*item));
   }
   if (auto item = motion_.diagnostics(sensor_context_.now)) items.push_back(std::move(*item));
-  for (const auto& output : outputs_) items.push_back(output->diagnostics(now, starting));
+  for (const auto& output : outputs_)
+    items.push_back(output->diagnostics(now, start_.is_starting(now, output->begun)));
   if (const auto names = unknown_senders_.names(now - UnknownSenders::expires_after); !names.empty())
     items.push_back(unknown_senders_item(names));
   if (more_diagnostics_) more_diagnostics_(items);

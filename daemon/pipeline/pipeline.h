@@ -51,7 +51,10 @@ class StartWatch {
     since_ = at;
     return true;
   }
-  bool is_starting(Stamp at) const { return !started_ || at - since_ < patience; }
+  /// `begun`: when the entry was added by a reload.
+  bool is_starting(Stamp at, Stamp begun) const {
+    return !started_ || at - since_ < patience || (at >= begun && at - begun < patience);
+  }
 
  private:
   static constexpr Span patience = std::chrono::seconds(1);

@@ -31,7 +31,7 @@ struct SensorReport {
   std::optional<PoseGate> gate;          ///< of its clouds; none: they are not transformed
   bool seen = false;                     ///< data was received
   Stamp last_arrival;                    ///< of data
-  Stamp last_telemetry;                  ///< of telemetry
+  std::optional<Stamp> last_telemetry;   ///< of telemetry
   std::string link_trouble;  ///< while silent: a fault of its connection or this host's network; empty: none
   std::string link_hint;     ///< while silent: a possible cause there
   std::string other_model;   ///< the model of packets of another model; empty: unknown

@@ -225,7 +225,7 @@ void Sensor::advance(Stamp now) {
 void Sensor::clock_jumped(Stamp now) {
   // An arrival in the future counts as now.
   last_arrival_ = std::min(last_arrival_, now);
-  last_telemetry_ = std::min(last_telemetry_, now);
+  if (last_telemetry_) last_telemetry_ = std::min(*last_telemetry_, now);
 }
 
 void Sensor::tick(Stamp now) {

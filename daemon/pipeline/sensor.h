@@ -115,6 +115,8 @@ class Sensor final : public DriverOutput {
     request_ = again ? ConnectionRequest::connect_anew : ConnectionRequest::hang_up;
   }
 
+  Stamp begun{};  ///< when the configuration asked for it first
+
  private:
   enum class ConnectionRequest : std::uint8_t { none, connect, connect_anew, hang_up };
 
@@ -163,7 +165,7 @@ class Sensor final : public DriverOutput {
   IpAddress data_sender_;  // of the last one with data
   bool seen_ = false;      // data was received (not telemetry)
   Stamp last_arrival_{};
-  Stamp last_telemetry_{};
+  std::optional<Stamp> last_telemetry_;
   Health silence_ = Health::ok;
   Counters topic_counters_;  // without a driver
   ReceptionWatch watch_;

@@ -59,7 +59,7 @@ void judge_silence(const SensorConfig& config, const SensorReport& report, const
                    Stamp now, DiagnosticItem& item) {
   if (may_still_come(report)) {
     item.message = "waiting for data from " + where_from(config);
-  } else if (seconds(now - report.last_telemetry) < telemetry_silent_s) {
+  } else if (report.last_telemetry && seconds(now - *report.last_telemetry) < telemetry_silent_s) {
     item.set(Health::error, "no data, only telemetry on port " + std::to_string(config.telemetry_port) +
                                 "; check that its laser and motor are on and that it sends data to port " +
                                 std::to_string(config.ip_port));

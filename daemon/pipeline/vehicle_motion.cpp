@@ -4,12 +4,15 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace lidard {
 namespace {
 
 constexpr double longest_lag_s = 0.5;
+/// A speed of that age says little.
+constexpr double longest_speed_s = 3;
 constexpr double data_live_s = 1;
 
 }  // namespace
@@ -35,7 +38,10 @@ void VehicleMotion::poll(Stamp now) {
 
 std::optional<Pose> VehicleMotion::place(const std::string& parent, const std::string& child, Stamp stamp) {
   Pose pose = Pose::Identity();
-  if (parent.empty() || child.empty() || frames_.find(parent, child, stamp, pose, why_refused_)) return pose;
+  if (parent.empty() || child.empty() || frames_.find(parent, child, stamp, pose, why_refused_)) {
+    why_refused_.clear();
+    return pose;
+  }
   ++refused_;
   return std::nullopt;
 }
@@ -48,11 +54,13 @@ void VehicleMotion::add_pose(Stamp stamp, const Pose& pose, const std::string& c
 
 void VehicleMotion::add_speed(double speed, Stamp now) {
   reckoning_.speed(speed);
+  if (!std::isfinite(speed)) return;
+  if (speed_at_) speed_lives_s_ = std::min(3 * seconds(now - *speed_at_), longest_speed_s);
   speed_at_ = now;
 }
 
 void VehicleMotion::add_turn(Stamp stamp, const Eigen::Vector3d& rates, const std::string& frame, Stamp now) {
-  if (!speed_at_ || std::abs(seconds(now - *speed_at_)) > longest_lag_s) {
+  if (!speed_at_ || std::abs(seconds(now - *speed_at_)) > std::max(speed_lives_s_, longest_lag_s)) {
     ++without_speed_;
     why_refused_ = "no speed comes on " + vehicle_.speed_topic;
     return;

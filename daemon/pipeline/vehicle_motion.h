@@ -37,6 +37,7 @@ class VehicleMotion {
   void restart() {
     track_.clear();
     speed_at_.reset();
+    why_refused_.clear();
   }
   const FrameTree& frames() const { return frames_; }
   const std::string& base_frame() const { return vehicle_.base_frame; }
@@ -61,6 +62,7 @@ class VehicleMotion {
   std::vector<StampedPose> new_poses_;
   Stamp last_poll_{};
   std::optional<Stamp> speed_at_;  // arrival of the newest speed
+  double speed_lives_s_ = 0;       // three periods of it
   std::optional<Newest> data_, pose_;
   std::uint64_t refused_ = 0;        // poses of frames with unknown place on the vehicle
   std::uint64_t without_speed_ = 0;  // turn rates

@@ -32,6 +32,8 @@ constexpr auto longest_round = std::chrono::seconds(2);
 /// Advertising all topics may last so long with a busy master.
 constexpr auto longest_call = std::chrono::seconds(5);
 
+constexpr const char* free_threads = "raise the limit of threads (TasksMax= of the unit, `ulimit -u`)";
+
 /// Returns the name of the node.
 std::string initialised(const RosOptions& options) {
   init_ros(options);
@@ -146,6 +148,8 @@ void RosConnection::judge_own_status(DiagnosticItem& item) const {
     item.message = "asking the master";
   } else if (!master_present_) {
     item.set(Health::warn, "the master does not answer; check roscore");
+  } else if (lacks_threads_) {
+    item.set(Health::error, std::string("ROS cannot start without a free thread; ") + free_threads);
   } else if (foreign_stops_ > 0 && Clock::now() - last_foreign_stop_.load() < news_of_a_stop) {
     item.set(Health::warn, "shut down from outside; look for a node of the same name");
   } else {
@@ -203,7 +207,7 @@ void RosConnection::master_answered(MasterClient& master, int pid) {
   master_pid_ = pid;
   if (!running_) {
     if (!name_.conflict().empty() || !name_.is_free(master)) return;
-    start_ros();
+    if (!start_ros()) return;
     log_info("ROS master found at {}; publishing as {}", master_uri_, node_);
   } else if (ros::isShuttingDown()) {
     return;  // from outside; roscpp waits for the master on its way
@@ -252,19 +256,28 @@ void RosConnection::master_silent(const MasterClient& master) {
            running_ ? "new subscribers cannot find us" : "data is received but not published");
 }
 
-void RosConnection::start_ros() {
+/// False if there is no thread for it.
+bool RosConnection::start_ros() {
   change_components();
   ros::master::setRetryTimeout(ros::WallDuration(0.2));
-  ros::start();
+  try {
+    ros::start();
+    callbacks_ = std::make_unique<RosCallbackThread>(watch_);
+  } catch (const std::runtime_error& error) {  // of std::thread or boost::thread
+    if (!lacks_threads_.exchange(true)) log_error("ROS cannot start: {}; {}", error.what(), free_threads);
+    ros::shutdown();
+    return false;
+  }
+  lacks_threads_ = false;
   service_port_ = ros::ConnectionManager::instance()->getTCPPort();
   publisher_.advertise();
   diagnostics_ = ros::NodeHandle().advertise<diagnostic_msgs::DiagnosticArray>("/diagnostics", 1);
-  callbacks_ = std::make_unique<RosCallbackThread>(watch_);
   for (const Component& component : components_) component->connected(*callbacks_);
   watch_.attach();
   name_.registered();
   running_ = true;
   registered_ = true;
+  return true;
 }
 
 /// `leave`: without roscpp's destructors, which wait for the master.

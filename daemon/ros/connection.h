@@ -85,7 +85,7 @@ class RosConnection {
   void master_silent(const MasterClient& master);
   void register_at(MasterClient& master);
   void change_components();
-  void start_ros();
+  bool start_ros();
   void end_ros(bool leave);
   void restart_after_foreign_stop(MasterClient& master);
   void publish_diagnostics();
@@ -101,6 +101,7 @@ class RosConnection {
   std::atomic<bool> master_asked_{false}, master_present_{false};
   std::atomic<bool> master_ended_{false};
   std::atomic<bool> ended_clean_{true};
+  std::atomic<bool> lacks_threads_{false};
   std::atomic<bool> news_{false};  // for /diagnostics, to be published at once
   std::atomic<std::uint64_t> foreign_stops_{0};
   std::atomic<Clock::time_point> last_foreign_stop_{Clock::time_point()};

@@ -65,6 +65,7 @@ void RosSession::change(const Config& before, const Config& config) {
 void RosSession::renew(const Config* before, const Config& config) {
   const auto replace = [this](std::shared_ptr<RosComponent>& place, std::shared_ptr<RosComponent> next) {
     const auto former = std::exchange(place, next);
+    if (former != nullptr) former->retire();
     add(std::move(next), former);
   };
   const auto sources = topic_sources(config);

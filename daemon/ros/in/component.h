@@ -24,7 +24,7 @@ class MasterClient;
 class MessageReceiver;
 struct ChangeableOutput;
 
-/// A part that needs the ROS connection. All calls come from the master thread.
+/// A part that needs the ROS connection. All calls but retire() come from the master thread.
 class RosComponent {
  public:
   virtual ~RosComponent() = default;
@@ -38,6 +38,9 @@ class RosComponent {
   /// Frame topics to be advertised anew, since the shape of their frames changed.
   virtual std::vector<std::string> stale_topics() { return {}; }
   virtual std::vector<DiagnosticItem> diagnostics() { return {}; }
+  /// A reload replaces the component, which still runs until the master answers: what it posts is dropped
+  /// from now on. Called in the sensor thread.
+  virtual void retire() {}
   /// Drops all parts kept: nothing calls the component afterwards. May wait for the master, unless `leave`.
   void disconnect(bool leave) {
     if (leave) leave_behind(std::exchange(kept_, {}));

@@ -4,6 +4,7 @@
 #include <ros/node_handle.h>
 #include <ros/this_node.h>
 
+#include <atomic>
 #include <memory>
 #include <mutex>
 #include <utility>
@@ -27,7 +28,7 @@ XmlRpc::XmlRpcValue parameter_of(const KeyValue& value) {
 
 /// The server of one output.
 struct Server : std::enable_shared_from_this<Server> {
-  explicit Server(ChangeableOutput given) : output(std::move(given)) {}
+  Server(ChangeableOutput given, RosPost to) : output(std::move(given)), post(std::move(to)) {}
 
   void offer(ros::NodeHandle node) {
     description = node.advertise<dynamic_reconfigure::ConfigDescription>("parameter_descriptions", 1, true);
@@ -40,11 +41,11 @@ struct Server : std::enable_shared_from_this<Server> {
     }
     // A request may wait for the mutex while a reload drops this server.
     using Serve = boost::function<bool(Reconfigure::Request&, Reconfigure::Response&)>;
-    service = node.advertiseService("set_parameters",
-                                    Serve([weak = weak_from_this()](auto& request, auto& response) {
-                                      const auto self = weak.lock();
-                                      return self != nullptr && self->serve(request, response);
-                                    }));
+    service = node.advertiseService(
+        "set_parameters", Serve([weak = weak_from_this()](auto& request, auto& response) {
+          const auto self = weak.lock();
+          return self != nullptr && !self->retired && self->serve(request, response);
+        }));
   }
   /// In the callback thread.
   bool serve(Reconfigure::Request& request, Reconfigure::Response& response) {
@@ -79,6 +80,17 @@ struct Server : std::enable_shared_from_this<Server> {
       log_warn("{} has {} beams; gmapping needs fewer than {}", name(), beams, gmapping_beam_limit);
     apply();
   }
+  /// A reload may come before the task runs.
+  void apply() {
+    const auto unless_retired = [this](auto task) {
+      post(output.worker, [weak = weak_from_this(), task](auto& to, Stamp) {
+        const auto self = weak.lock();
+        if (self != nullptr && !self->retired) task(to);
+      });
+    };
+    if (output.sensor) return unless_retired([wanted = *output.sensor](auto& to) { to.set_sensor(wanted); });
+    unless_retired([id = output.id, config = output.config](auto& to) { to.set_output(id, config); });
+  }
   void refuse(const std::string& why) {
     ++refused;
     refusal = why;
@@ -96,7 +108,7 @@ struct Server : std::enable_shared_from_this<Server> {
     return item;
   }
   std::string name() const { return output.server.empty() ? output.id.entry : output.server; }
-  /// The full name of a resource of this server.
+  /// The full name of a resource of this server. Call it under the mutex.
   std::string below(const std::string& what) const {
     const std::string space = output.server.empty() ? "" : "/" + output.server;
     return ros::this_node::getName() + space + "/" + what;
@@ -104,7 +116,8 @@ struct Server : std::enable_shared_from_this<Server> {
 
   mutable std::mutex mutex;
   ChangeableOutput output;
-  std::function<void()> apply;
+  const RosPost post;
+  std::atomic<bool> retired{false};
   ros::Publisher updates;
   ros::Publisher description;
   ros::ServiceServer service;
@@ -119,15 +132,7 @@ struct Server : std::enable_shared_from_this<Server> {
 class RosReconfigure final : public RosComponent {
  public:
   RosReconfigure(std::vector<ChangeableOutput> outputs, const RosPost& post) {
-    for (auto& output : outputs) {
-      servers_.push_back(std::make_shared<Server>(std::move(output)));
-      Server& server = *servers_.back();
-      server.apply = [&now = server.output, post] {
-        if (now.sensor)
-          return post(now.worker, [wanted = *now.sensor](auto& to, Stamp) { to.set_sensor(wanted); });
-        post(now.worker, [id = now.id, config = now.config](auto& to, Stamp) { to.set_output(id, config); });
-      };
-    }
+    for (auto& output : outputs) servers_.push_back(std::make_shared<Server>(std::move(output), post));
   }
   void connected(RosCallbackThread& ros) override {
     for (const auto& server : servers_) {
@@ -145,15 +150,19 @@ class RosReconfigure final : public RosComponent {
       server->to_store = true;
     }
   }
+  void retire() override {
+    for (const auto& server : servers_) server->retired = true;
+  }
   void poll(MasterClient& master) override {
     for (const auto& server : servers_) {
       std::unique_lock lock(server->mutex);
       if (!std::exchange(server->to_store, false)) continue;
       const ItemValues values = values_of(server->output);
+      const std::string space = server->below("");
       lock.unlock();
       bool stored = true;
       for (const auto& [name, value] : values)
-        stored = stored && master.set_parameter(server->below(name), parameter_of(value));
+        stored = stored && master.set_parameter(space + name, parameter_of(value));
       lock.lock();
       server->to_store = server->to_store || !stored;
     }

@@ -87,9 +87,10 @@ class Forks : public testing::Test {
     world.add_box({0, 0}, {12, 9}, 0);
     for (const double y : {0.35, -0.35}) world.add_box({1.6, y}, {0.59, 0.09}, 0);
   }
-  PlanarScan seen(bool from_heel) const {
+  /// By two scanners on the corners and `more`.
+  PlanarScan seen(const std::vector<Mount>& more) const {
     std::vector<Mount> mounts = {{{1, 0.6}, 45}, {{1, -0.6}, -45}};
-    if (from_heel) mounts.push_back({{0.97, 0}, 0});
+    mounts.insert(mounts.end(), more.begin(), more.end());
     return look(world,
                 Footprint({{-1, -0.6},
                            {1, -0.6},
@@ -117,21 +118,25 @@ class Forks : public testing::Test {
     }
   }
   sim::FlatWorld world;
+  const Mount heel{{0.97, 0}, 0};
 };
 
 TEST_F(Forks, TheSpaceBetweenThemMustBeSeen) {
   // Through the space between them alone, and through it and a fork.
-  const PlanarScan seen_by_three = seen(true);
+  const PlanarScan seen_by_three = seen({heel});
   expect(seen_by_three, 0, 4, BeamStatus::hit);
   expect(seen_by_three, 5.7, 7, BeamStatus::hit);
-  const PlanarScan seen_by_two = seen(false);
-  expect(seen_by_two, 0, 4, BeamStatus::invalid);
-  expect(seen_by_two, 5.7, 7, BeamStatus::invalid);
+  // From the tips all is seen but that space.
+  for (const auto& more : {std::vector<Mount>(), {{{2.2, 0.35}, 0}, {{2.2, -0.35}, 0}}}) {
+    expect(seen(more), 0, 4, BeamStatus::invalid);
+    expect(seen(more), 5.7, 7, BeamStatus::invalid);
+  }
+  expect(seen({heel, {{2.2, 0.35}, 0}, {{2.2, -0.35}, 0}}), 5.7, 7, BeamStatus::hit);
 }
 
 TEST_F(Forks, WhatStandsBetweenThemIsSeen) {
   for (const double y : {0.12, -0.12}) world.add_box({1.5, y}, {0.03, 0.03}, 0);
-  const PlanarScan scan = seen(true);
+  const PlanarScan scan = seen({heel});
   for (const double side : {1.0, -1.0}) {
     const auto beam = static_cast<std::size_t>(360 + side * std::round(std::atan2(0.12, 1.5) / deg / 0.5));
     EXPECT_EQ(scan.statuses[beam], BeamStatus::hit);

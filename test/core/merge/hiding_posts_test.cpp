@@ -223,10 +223,16 @@ TEST(HidingPosts, TheEndsOfAFullCircleAreNoNeighboursWhileTheVehicleMoves) {
       const double middle = pi_d - turn * 0.1 / 2, half = 6 * std::tan(-turn * 0.1 / 2) * 0.8;
       expect_none_free({6 * std::cos(middle), 6 * std::sin(middle)}, half, origin, {0, 0, turn});
     }
-    for (const double aside : {5.0, -5.0, 2.0})
+    for (const double aside : {5.0, -5.0, 2.0, -2.0})
       expect_none_free({-2, -aside * 0.05}, std::fabs(aside) * 0.035, origin, {0, aside, 0});
   }
   EXPECT_GT(blocked, 200);
+  PostScene slow;
+  slow.scanners[0].increment = 0.5 * degree;
+  slow.scanners[0].field = 359.5 * degree;
+  slow.look(0.02);
+  slow.count(std::numeric_limits<double>::infinity());
+  EXPECT_EQ(slow.free, 2 * slow.blocked) << "of a vehicle that hardly moves they are";
 }
 
 TEST(HidingPosts, TheFirstBeamOfAVehicleThatDrovePastAPostFreesNoneOnIt) {
@@ -238,7 +244,7 @@ TEST(HidingPosts, TheFirstBeamOfAVehicleThatDrovePastAPostFreesNoneOnIt) {
           PostScene scene;
           scene.scanners[0].field = 180 * degree;
           scene.scanners[0].increment = increment * degree;
-          scene.world.add_box({x, y}, {0.05, 0.05}, 0);
+          scene.world.add_box({x, y}, {y > -1.5 ? 0.02 : 0.05, 0.05}, 0);
           scene.look(speed);
           scene.count(11);
           blocked += scene.blocked;
@@ -249,6 +255,32 @@ TEST(HidingPosts, TheFirstBeamOfAVehicleThatDrovePastAPostFreesNoneOnIt) {
   }
   EXPECT_GT(blocked, 1000);
   EXPECT_EQ(free, 0) << "of " << blocked;
+}
+
+TEST(HidingPosts, APostThatIsPassedClosely) {
+  int blocked = 0, free = 0, hits = 0;
+  for (const double speed : {3.0, 5.0, -3.0, -5.0}) {
+    for (double x = -0.8; x < 0.81; x += 0.2) {
+      for (const double y : {0.25, 0.35, 0.5}) {
+        for (const Eigen::Vector2d& origin :
+             {Eigen::Vector2d(0, 0), Eigen::Vector2d(0, -1.5), Eigen::Vector2d(-0.5, 1.9)}) {
+          PostScene scene;
+          scene.scanners[0].increment = 0.5 * degree;
+          scene.scanners[0].yaw = 100 * degree;
+          scene.sweep_s = 0.08;
+          scene.world.add_box({x, y}, {0.1, 0.1}, 0.8);
+          scene.origin = origin;
+          scene.look(speed, 0.03);
+          scene.count(11);
+          blocked += scene.blocked;
+          free += scene.free;
+          for (const BeamStatus status : scene.strict.statuses) hits += status == BeamStatus::hit ? 1 : 0;
+        }
+      }
+    }
+  }
+  EXPECT_LE(free, blocked / 2000) << "grazing beams of " << blocked;
+  EXPECT_GT(hits, blocked / 3);
 }
 
 /// A vehicle of 2 m x 1 m with a scanner on each of two opposite corners.

@@ -138,12 +138,13 @@ TEST(RingPoints, TheCoarsestRingTellsTheColumns) {
 
 TEST(RingPoints, ARingWithFewReturnsTellsNoStep) {
   SmallLidar lidar(8);
+  lidar.columns = 720;
   lidar.range = [](std::size_t ring, std::size_t column) {
     return ring == 4 && (column % 3 != 0 || column > 60) ? 0.0 : 8.0;
   };
   RingGrid grid({});
   ASSERT_TRUE(grid.organise(without_columns(lidar.cloud(), 8)));
-  EXPECT_EQ(grid.columns(), 360U);
+  EXPECT_EQ(grid.columns(), 720U);
 }
 
 TEST(RingPoints, ARingThatHitsLeavesTellsNoStep) {

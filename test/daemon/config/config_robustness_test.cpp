@@ -1,6 +1,8 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <fstream>
 #include <iterator>
@@ -75,6 +77,13 @@ TEST(ConfigRobustness, MutatedExamplesAreAcceptedOrGiveAPlacedError) {
 TEST(ConfigRobustness, EveryBeginningOfAnExampleIsAcceptedOrGivesAPlacedError) {
   const std::string original = example();
   for (std::size_t length = 0; length < original.size(); length += 3) is_accepted(original.substr(0, length));
+}
+
+TEST(ConfigRobustness, APipeIsNotWaitedFor) {
+  const std::string path = ::testing::TempDir() + "lidard-pipe-" + std::to_string(getpid());
+  ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
+  EXPECT_THROW(load_config(path), ConfigError);
+  unlink(path.c_str());
 }
 
 TEST(ConfigRobustness, DeepNestingAndSelfReferenceGiveAPlacedError) {

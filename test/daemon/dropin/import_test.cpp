@@ -72,6 +72,25 @@ TEST(Import, EveryTransformIsAPoseOrARemark) {
               Contains(HasSubstr("the pose of imu in base is not part of this configuration")));
 }
 
+TEST(Import, NamesTheFramesOfALoop) {
+  LaunchFile launch;
+  launch.nodes.push_back({"/scanner", "urg_node", "urg_node", "/", {}, {}, {{"ip_address", "192.168.0.10"}}});
+  for (const auto& [parent, child] : {std::pair("base", "laser"), {"map", "base"}, {"laser", "map"}})
+    launch.nodes.push_back({"/t",
+                            "tf",
+                            "static_transform_publisher",
+                            "/",
+                            {"0", "0", "1", "0", "0", "0", parent, child},
+                            {},
+                            {}});
+  try {
+    import_nodes(launch);
+    FAIL();
+  } catch (const ConfigError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("form a loop: map in laser in base in map;"));
+  }
+}
+
 TEST(Import, SaysWhichTransformsItCannotRead) {
   const std::vector<std::vector<std::string>> wrong{
       {"1", "2", "0.5", "0.3", "0", "base", "laser"},

@@ -230,6 +230,35 @@ TEST_F(BlackBoxTest, TheFirstCaptureOfEachKindStays) {
   EXPECT_EQ(kept(), (std::vector<std::string>{"front0", "rear300", "kind 9 at 900", "kind 13 at 1300"}));
 }
 
+TEST_F(BlackBoxTest, InAnotherFolderAndWithFewerFilesTheFirstCapturesAreNewOnes) {
+  config_.path = "/proc/none";
+  config_.files = 4;
+  BlackBox box = this->box();
+  const auto fail = [&](int at, const std::string& kind) {
+    add(box, begin + std::chrono::seconds(at), kind);
+    box.incident(begin + std::chrono::seconds(at), kind);
+    EXPECT_TRUE(writes(box, begin + std::chrono::seconds(at + 5)));
+  };
+  fail(0, "front");
+  ASSERT_EQ(box.item()->health, Health::warn);
+  config_.path = folder_.string();
+  box.configure(config_);
+  EXPECT_EQ(box.item()->health, Health::ok) << "that folder could not be written";
+  fail(100, "front");
+  fail(200, "rear");
+  config_.path = (folder_ / "more").string();
+  box.configure(config_);
+  fail(20'000, "front");
+  fail(20'100, "rear");
+  config_.files = 2;
+  box.configure(config_);
+  for (const int at : {20'200, 20'300}) fail(at, "again");
+  std::vector<std::string> kept;
+  for (const auto& entry : fs::directory_iterator(config_.path))
+    if (entry.path().extension() == ".pcap") kept.push_back(read_capture(entry.path()).payloads.back());
+  EXPECT_THAT(kept, testing::UnorderedElementsAre("front", "again"));
+}
+
 TEST_F(BlackBoxTest, SaysWhyNothingCanBeWritten) {
   config_.path = "/proc/none";
   BlackBox box = this->box();

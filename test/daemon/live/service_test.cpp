@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <spdlog/spdlog.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
@@ -85,6 +86,22 @@ TEST(ServiceManager, IsNotWaitedForWhereItDoesNotRead) {
       manager.alive();
       manager.status("3 of 3 sensors");
     }
+    EXPECT_EQ(socket.next(), "WATCHDOG=1");
+  });
+}
+
+TEST(ServiceManager, HearsOfTheDaemonOnceThereIsADescriptor) {
+  in_own_process([] {
+    const NotifySocket socket;
+    rlimit limit{};
+    getrlimit(RLIMIT_NOFILE, &limit);
+    const rlimit none{0, limit.rlim_max};
+    setrlimit(RLIMIT_NOFILE, &none);
+    ServiceManager manager;
+    manager.alive();
+    EXPECT_EQ(socket.next(), "");
+    setrlimit(RLIMIT_NOFILE, &limit);
+    manager.alive();
     EXPECT_EQ(socket.next(), "WATCHDOG=1");
   });
 }

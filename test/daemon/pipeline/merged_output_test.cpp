@@ -35,6 +35,15 @@ TEST(MergedOutput, AgeOfASourceCountsFromItsLastRay) {
   EXPECT_EQ(bench.sink.released["m"].back(), bench_begin + ms(1007));
 }
 
+TEST(MergedOutput, CountsReturnsWhereFreeSpaceIsComputed) {
+  for (const char* profile : {"flatten", "strict"}) {
+    const PipelineBench bench(two_sources(std::string("profile: ") + profile));
+    const bool flat = profile == std::string("flatten");
+    for (const char* key : {"Returns on the vehicle", "Returns from behind the vehicle", "Mixed pixels"})
+      EXPECT_EQ(bench.value("merged m", key, bench_begin), flat ? "no such key" : "0") << profile;
+  }
+}
+
 TEST(MergedOutput, StampDoesNotDependOnTheOrderOfTheSources) {
   for (const bool a_first : {false, true}) {
     PipelineBench bench(two_sources(""));
@@ -276,7 +285,8 @@ TEST(MergedOutput, SaysWhyNothingCameForEachOfItsTopics) {
       two_sources("cloud_destination_topic: cloud, status_topic: known, also: {safe: safety}"));
   for (const char* topic : {"m", "cloud", "known", "safe"})
     EXPECT_THAT(bench.pipeline.why_missing(topic),
-                ::testing::MatchesRegex("no output: no input has come in yet; a: no data.*; b: no data.*"))
+                ::testing::MatchesRegex(
+                    "no output: no input has come in yet; a: nothing received.*; b: nothing received.*"))
         << topic;
   EXPECT_EQ(bench.pipeline.why_missing("other"), "");
   sweep(bench, "b", ms(100));

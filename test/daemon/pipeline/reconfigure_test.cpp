@@ -150,6 +150,27 @@ TEST(PipelineReconfigure, WhatWasSetByHandIsWhatTheFileSaysAgain) {
   EXPECT_EQ(one.sink.scans["bumper"].back().beams, 720U);
 }
 
+TEST(PipelineReconfigure, WhatIsNewHasASecondToDeliverAndTheRestHasNone) {
+  const std::string one = "sensors: {a: {topic: /a}";
+  Played played(parse_config(one + "}\n", "f"));
+  const auto tick = [&](int at) {
+    played.pipeline.tick(Stamp{1'000'000'000'000} + std::chrono::milliseconds(at));
+  };
+  const auto health = [&](int at) {
+    std::string all;
+    for (const auto& item :
+         played.pipeline.diagnostics(Stamp{1'000'000'000'000} + std::chrono::milliseconds(at)))
+      all += item.name + (item.health == Health::ok ? " ok, " : " bad, ");
+    return all;
+  };
+  for (int at = 0; at <= 3000; at += 100) tick(at);
+  EXPECT_EQ(health(3000), "sensor a bad, ");
+  played.pipeline.configure(
+      parse_config(one + ", b: {topic: /b}}\nmerged_scans: {m: {laserscan_topics: [a, b]}}\n", "f"));
+  EXPECT_EQ(health(3900), "sensor a bad, sensor b ok, merged m ok, ");
+  EXPECT_EQ(health(4000), "sensor a bad, sensor b bad, merged m bad, ");
+}
+
 TEST(TwoWorkers, GiveWhatOnePipelineGives) {
   const std::string text =
       with(demo(), "virtual_scans:",

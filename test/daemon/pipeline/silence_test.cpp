@@ -26,7 +26,6 @@ struct Sample {
     report.name = "roof";
     report.seen = true;
     report.last_arrival = bench_begin;
-    report.last_telemetry = bench_begin - std::chrono::hours(1);
     report.counters.packets = 1000;
     report.counters.frames = 1;
   }
@@ -124,6 +123,13 @@ TEST(Silence, FromTheStartIsAnErrorUnlessAllHasJustBegun) {
   EXPECT_EQ(sample.after(0).health, Health::error) << "an attempt that failed needs no patience";
   sample.report.link_trouble = first_attempt;
   EXPECT_EQ(sample.after(0).health, Health::ok);
+}
+
+TEST(Silence, OfAnEmptyCaptureIsNoTelemetry) {
+  Sample sample;
+  sample.report.seen = false;
+  EXPECT_THAT(sensor_health(sample.config, sample.report, sample.unknown, Stamp{}).message,
+              HasSubstr("nothing received"));
 }
 
 TEST(Silence, NamesItsCauseAsFarAsItIsKnown) {

@@ -173,10 +173,46 @@ TEST(MotionOfAnImu, WithoutARecentSpeedIsNoMotion) {
   EXPECT_NE(bench.value("merged m", "Motion", bench_begin + ms(6000)), "deskewed");
 }
 
+TEST(MotionOfAnImu, WithASpeedThatComesSeldomIsMotionUntilThreeOfItsPeriodsPass) {
+  Watched watched;
+  const auto run = [&](int from, int to, int period, double speed) {
+    for (int at = from; at < to; at += 10) {
+      const Stamp now = bench_begin + ms(at);
+      if (period > 0 && at % period == 0) watched.motion.add_speed(speed, now);
+      watched.motion.add_turn(now, {0, 0, 0}, "", now);
+    }
+    return test::value_of(watched.motion.diagnostics(bench_begin + ms(to)).value(), "Knots");
+  };
+  EXPECT_EQ(run(0, 800, 800, 5), "51") << "of one speed no period is known";
+  EXPECT_EQ(run(800, 4000, 800, 5), "371");
+  EXPECT_EQ(run(4000, 8000, 0, 5), "532") << "2.4 s after the speed of 3.2 s";
+  EXPECT_EQ(run(8000, 9000, 10, std::nan("")), "532") << "NaN is no speed";
+  run(10'000, 30'000, 5000, 5);
+  EXPECT_EQ(watched.motion.diagnostics(bench_begin + ms(30'000)).value().message,
+            "no pose of the vehicle any more: no speed comes on ")
+      << "a speed of 3 s ago is too old, whatever its period";
+}
+
+TEST(MotionOfAnImu, SaysNoReasonAnyMoreThatHasGone) {
+  Watched watched;
+  const auto message = [&](int at) {
+    return watched.motion.diagnostics(bench_begin + ms(at)).value().message;
+  };
+  watched.motion.add_turn(bench_begin, {0, 0, 0}, "", bench_begin);
+  EXPECT_THAT(message(0), testing::EndsWith(": no speed comes on "));
+  watched.motion.restart();
+  EXPECT_THAT(message(0), testing::EndsWith("see that odometry is published"));
+  watched.motion.add_turn(bench_begin, {0, 0, 0}, "", bench_begin);
+  watched.motion.add_speed(5, bench_begin);
+  watched.motion.add_turn(bench_begin, {0, 0, 0}, "", bench_begin);
+  EXPECT_EQ(message(1000), "no pose of the vehicle any more");
+}
+
 TEST(MotionOfAnImu, CountsSpeedsAndRatesThatCannotBe) {
   PipelineBench bench(
       "vehicle: {imu_topic: /imu, speed_topic: /speed}\n"
       "sensors: {a: {topic: /a, pose: {xyz: [1, 0, 0]}}}\n");
+  bench.pipeline.speed_message(1, bench_begin);
   bench.pipeline.speed_message(std::numeric_limits<double>::quiet_NaN(), bench_begin);
   bench.pipeline.turn_message(bench_begin, {0, 0, std::numeric_limits<double>::infinity()}, "", bench_begin);
   bench.pipeline.turn_message(bench_begin + ms(20), {0, 0, 1}, "", bench_begin + ms(20));

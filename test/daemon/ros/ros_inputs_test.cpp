@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dynamic_reconfigure/Reconfigure.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <ros/ros.h>
@@ -11,6 +12,7 @@
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/ros/connection.h"
 #include "daemon/ros/in/inputs.h"
+#include "daemon/ros/in/output_items.h"
 #include "daemon/ros/in/tf_poses.h"
 #include "daemon/ros/messages/convert.h"
 #include "test/support/ros_master.h"
@@ -54,7 +56,8 @@ struct Seen final : MessageReceiver {
   void pose_message(Stamp, const Pose&, const std::string&, Stamp) override {}
   void turn_message(Stamp, const Eigen::Vector3d&, const std::string&, Stamp) override {}
   void speed_message(double, Stamp) override {}
-  std::string set_output(const OutputId&, const OutputScanConfig&) override { return {}; }
+  int changes = 0;
+  std::string set_output(const OutputId&, const OutputScanConfig&) override { return ++changes, ""; }
   std::string set_sensor(const SensorConfig&) override { return {}; }
 };
 
@@ -238,6 +241,32 @@ geometry_msgs::TransformStamped transform(const std::string& parent, const std::
   made.transform.translation.x = x;
   made.transform.rotation.w = 1;
   return made;
+}
+
+TEST(RosReconfigure, ChangesNothingAnyMoreOnceAReloadReplacesIt) {
+  in_own_process([] {
+    RosMaster master;
+    master.start();
+    Posted posted;
+    const Config config =
+        parse_config("sensors: {a: {topic: /a}}\nmerged_scans: {m: {laserscan_topics: a}}\n", "f");
+    const auto part =
+        make_ros_reconfigure(changeable_outputs(config, ReconfigureNames::entries), posted.post());
+    RosConnection connection({}, {});
+    connection.add(part);
+    connection.start();
+    dynamic_reconfigure::Reconfigure wanted;
+    const std::string name = connection.node() + "/m/set_parameters";
+    ASSERT_TRUE(posted.run_until([&] { return ros::isStarted() && ros::service::call(name, wanted); }));
+    ASSERT_TRUE(posted.run_until([&] { return posted.seen.changes > 0; }));
+    const int before = posted.seen.changes;
+    ASSERT_TRUE(ros::service::call(name, wanted));
+    part->retire();
+    EXPECT_FALSE(posted.run_until([&] { return posted.seen.changes > before; }, 50ms))
+        << "asked before the reload";
+    EXPECT_FALSE(ros::service::call(name, wanted));
+    expect_to_stop(connection);
+  });
 }
 
 TEST(TfPoses, FollowAChainOfFramesAndSayWhyAPoseIsUnknown) {
