@@ -272,10 +272,8 @@ class ColaRecognizer final : public Recognizer {
     if (reason != Reject::none) return counters_.reject(reason);
     parsed_ = true;
     layered_ = layered_ || scan_.layer != 0;
-    if (!is_plane_of_mrs1000(scan_.layer)) verdict_ = {}, others_.clear();
-    if (!is_plane_of_mrs1000(scan_.layer)) return;
     if (layered_) {
-      verdict_ = "sick_mrs1000";
+      verdict_ = is_plane_of_mrs1000(scan_.layer) ? "sick_mrs1000" : "";
       others_.clear();
       return;
     }
