@@ -164,7 +164,8 @@ struct DriverConfig {
   double view_width = two_pi;  ///< rad: width of that sector
   bool keep_partial = false;   ///< hand on first, last and torn frames too
   bool keep_origins = false;   ///< fill Cloud::origins
-  std::optional<double> angle_min, angle_max;  ///< rad: keep only these beams of a planar scanner (REP 138)
+  /// rad: keep only the beams from angle_min counter-clockwise to angle_max (planar scanners, REP 138).
+  std::optional<double> angle_min, angle_max;
   bool publish_intensity = true;
   bool publish_multiecho = false;  ///< all echoes of a planar scanner (REP 138)
   DeviceRequests requests;
@@ -172,11 +173,8 @@ struct DriverConfig {
   std::shared_ptr<const VelodyneControl> control;  ///< web interface; nullptr: not used
 
   /// True if a direction (rad, counter-clockwise from the front) lies in the view.
-  bool in_view(double direction) const {
-    constexpr double nearly_all = two_pi - 1e-8;
-    return view_width >= nearly_all ||
-           std::fabs(std::remainder(direction - view_direction, two_pi)) <= view_width / 2;
-  }
+  bool in_view(double direction) const { return Sector{view_direction, view_width / 2}.holds(direction); }
+  Sector sector() const { return sector_between(angle_min, angle_max); }
 };
 
 }  // namespace lidard

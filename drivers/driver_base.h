@@ -105,7 +105,7 @@ inline void prepare_scan(const DriverConfig& config, PlanarScan& scan) {
 /// between the configured angles. Returns the window.
 inline BeamWindow choose_beams(const DriverConfig& config, double angle, double step, std::size_t beams,
                                PlanarScan& scan) {
-  const BeamWindow kept = beams_between(angle, step, beams, config.angle_min, config.angle_max);
+  const BeamWindow kept = beams_inside(config.sector(), angle, step, beams);
   scan.beams = kept.count;
   scan.set_angles(static_cast<float>(angle + step * static_cast<double>(kept.first)),
                   static_cast<float>(step));

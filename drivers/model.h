@@ -22,7 +22,7 @@ enum class Trait : std::uint8_t {
   echoes,       ///< several echoes of a beam of a planar scanner
   revolutions,  ///< clouds are revolutions of firing sequences, which can be cut, organised and split by ring
   calibration,  ///< accepts a calibration file
-  silent_beams_are_free,  ///< a beam without return proves that nothing is there, up to range_max
+  silent_beams_are_free,  ///< a beam without return proves that nothing is there, up to free_range()
   packet_messages,        ///< packets can also come in velodyne_msgs/VelodyneScan
   gnss,                   ///< sends the sentences of a satellite receiver to telemetry_port
   web_control,            ///< its settings are read and changed through its web interface
@@ -77,7 +77,11 @@ struct Model {
   double fragments_per_packet = 1;   ///< IP fragments of a usual datagram; sizes the receive buffer
   double frame_period = 0;           ///< s, usual
   double range_min = 0, range_max = 0;  ///< m, constant in every scan
-  std::size_t beams = 0;                ///< rings of a multi-plane lidar; 0: the packets show it
+  /// m: to here the device detects a target of 10 % remission, by its data sheet; 0: not known. So far a beam
+  /// without return proves that nothing is there.
+  double dark_range = 0;
+  double view = 0;        ///< rad, widest view of a planar scanner, its middle ahead; 0: not known
+  std::size_t beams = 0;  ///< rings of a multi-plane lidar; 0: the packets show it
   Traits traits{};
   std::vector<MessageTopic> messages{};         ///< of DriverOutput::message()
   std::vector<std::string_view> extra_scans{};  ///< of DriverOutput::extra_scan()
@@ -86,6 +90,8 @@ struct Model {
   const void* row = nullptr;  ///< the family's own table entry
   std::unique_ptr<Driver> (*make)(const DriverConfig& config) = nullptr;
 
+  /// m that a beam without return proves free.
+  double free_range() const { return dark_range > 0 ? std::min(dark_range, range_max) : range_max; }
   bool has(Trait trait) const { return traits.has(trait); }
   /// True if the device may send messages of this kind.
   template <class Kind>

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cmath>
+#include <optional>
 
 namespace lidard {
 
@@ -16,6 +17,27 @@ inline float wrapped(float angle) {
   constexpr auto turn = static_cast<float>(two_pi);
   if (angle > turn / 2) return angle - turn;
   return angle < -turn / 2 ? angle + turn : angle;
+}
+
+/// A sector of the circle, rad; by default all of it.
+struct Sector {
+  double middle = 0;
+  double half_width = pi_d;
+
+  bool is_all() const { return half_width >= pi_d - 5e-9; }
+  /// True if `angle`, in whichever turn, lies inside, or outside by at most `slack`.
+  bool holds(double angle, double slack = 1e-9) const {
+    return is_all() || std::fabs(std::remainder(angle - middle, two_pi)) <= half_width + slack;
+  }
+};
+
+/// The sector from `first` counter-clockwise to `last`, through straight behind if `first` is the greater;
+/// a limit that is not given lies straight behind. The width of equal limits is 0.
+inline Sector sector_between(std::optional<double> first, std::optional<double> last) {
+  const double from = first.value_or(-pi_d);
+  double width = last.value_or(pi_d) - from;
+  if (width < 0) width = std::fmod(std::fmod(width, two_pi) + two_pi, two_pi);
+  return {from + width / 2, width / 2};
 }
 
 /// atan2 to about 2e-7 rad, without a branch that depends on the arguments, so that a loop over it can be

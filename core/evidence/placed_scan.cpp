@@ -16,6 +16,7 @@ class Conditioner {
         rays_(rays),
         settings_(settings),
         sweep_(sweep),
+        sector_(sector_between(settings.angle_min, settings.angle_max)),
         nearest_(static_cast<float>(settings.range_min)),
         farthest_(static_cast<float>(settings.range_max)),
         open_(std::min(static_cast<float>(settings.no_return_free_range), scan.range_max)) {}
@@ -43,8 +44,7 @@ class Conditioner {
 
  private:
   bool wanted(std::size_t beam) const {
-    const double angle = rays_.angle_min + static_cast<double>(beam) * rays_.increment;
-    return angle >= settings_.angle_min && angle <= settings_.angle_max;
+    return sector_.holds(rays_.angle_min + static_cast<double>(beam) * rays_.increment);
   }
 
   bool usable(std::size_t i) const {
@@ -159,6 +159,7 @@ class Conditioner {
   const BeamRays& rays_;
   const SourceSettings& settings_;
   PlacedScan& sweep_;
+  Sector sector_;
   float nearest_;
   float farthest_;
   float open_;  // m, free range of a beam without return

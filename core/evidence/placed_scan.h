@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "core/base/angle.h"
@@ -23,8 +23,7 @@ struct SourceSettings {
   EchoChoice echoes = EchoChoice::last;
   double range_min = 0;  ///< m
   double range_max = std::numeric_limits<double>::infinity();
-  double angle_min = -std::numeric_limits<double>::infinity();  ///< rad, sensor frame
-  double angle_max = std::numeric_limits<double>::infinity();
+  std::optional<double> angle_min, angle_max;  ///< rad, sensor frame: the sector that counts
   /// Free range that a beam without return proves, m; infinite: the scan's range_max.
   double no_return_free_range = std::numeric_limits<double>::infinity();
   bool veil_filter = true;
@@ -33,10 +32,9 @@ struct SourceSettings {
   bool wants(const PlanarScan& scan, std::size_t i) const {
     const auto range = static_cast<double>(scan.ranges[i]);
     if (range < range_min || range > range_max) return false;
-    if (std::isinf(angle_min) && std::isinf(angle_max)) return true;
-    const double angle = static_cast<double>(scan.angle_min) +
-                         static_cast<double>(i % scan.beams) * static_cast<double>(scan.angle_increment);
-    return angle >= angle_min && angle <= angle_max;
+    return sector_between(angle_min, angle_max)
+        .holds(static_cast<double>(scan.angle_min) +
+               static_cast<double>(i % scan.beams) * static_cast<double>(scan.angle_increment));
   }
 };
 

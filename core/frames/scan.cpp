@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/frames/scan.h"
 
+#include <algorithm>
 #include <array>
 
 namespace lidard {
@@ -26,6 +27,41 @@ void PlanarScan::reset(std::size_t beam_count, std::size_t echo_count, bool with
   intensities.assign(with_intensities ? n : 0, 0.0F);
   free_from.clear();
   flags.clear();
+}
+
+BeamWindow beams_inside(const Sector& sector, double angle, double step, std::size_t beams) {
+  if (sector.is_all()) return {0, beams};
+  const double slack = 0.01 * std::abs(step);
+  BeamWindow window;
+  for (std::size_t i = 0; i < beams; ++i) {
+    if (!sector.holds(angle + step * static_cast<double>(i), slack)) continue;
+    if (window.count == 0) window.first = i;
+    const std::size_t at = i - window.first;
+    if (at > window.count) window.gap_first = window.count, window.gap_count = at - window.count;
+    window.count = at + 1;
+  }
+  return window;
+}
+
+void PlanarScan::hide_gap(const BeamWindow& window) {
+  for (std::size_t echo = 0; echo < echoes; ++echo) {
+    for (std::size_t beam = window.gap_first; beam < window.gap_first + window.gap_count; ++beam) {
+      set_without_hit(index(beam, echo), BeamStatus::invalid);
+      if (!intensities.empty()) intensities[index(beam, echo)] = 0;
+      if (!flags.empty()) flags[beam] = 0;
+    }
+  }
+}
+
+void PlanarScan::reverse() {
+  const auto turn = [this](auto& values) {
+    for (auto at = values.begin(); at != values.end(); at += static_cast<std::ptrdiff_t>(beams))
+      std::reverse(at, at + static_cast<std::ptrdiff_t>(beams));
+  };
+  turn(ranges), turn(intensities), turn(statuses), turn(free_from), turn(flags);
+  stamp = stamp + span_from_seconds(static_cast<double>(time_increment) * static_cast<double>(beams - 1));
+  time_increment = -time_increment;
+  set_angles(angle_max, -angle_increment);
 }
 
 void PlanarScan::set_angles(float first, float increment) {

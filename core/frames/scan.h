@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/angle.h"
 #include "core/base/time.h"
 
 namespace lidard {
@@ -18,22 +19,14 @@ namespace lidard {
 struct BeamWindow {
   std::size_t first = 0;
   std::size_t count = 0;
+  /// Those of the `count` beams that are not wanted: a sector behind a scanner holds the two ends of its
+  /// scan. The scan keeps the order in which they were measured, and its size.
+  std::size_t gap_first = 0, gap_count = 0;
 };
 
-/// Which of `beams` beams, the first at `angle` and each `step` further (rad), lie between two limits. Limits
-/// are rounded where they come from: a beam on one of them is inside.
-inline BeamWindow beams_between(double angle, double step, std::size_t beams, std::optional<double> lowest,
-                                std::optional<double> highest) {
-  if (!lowest && !highest) return {0, beams};
-  const double slack = 0.01 * std::abs(step);
-  BeamWindow window;
-  for (std::size_t i = 0; i < beams; ++i) {
-    const double at = angle + step * static_cast<double>(i);
-    if ((lowest && at < *lowest - slack) || (highest && at > *highest + slack)) continue;
-    if (window.count++ == 0) window.first = i;
-  }
-  return window;
-}
+/// Which of `beams` beams, the first at `angle` and each `step` further (rad), lie in a sector. Limits are
+/// rounded where they come from: a beam on one of them is inside.
+BeamWindow beams_inside(const Sector& sector, double angle, double step, std::size_t beams);
 
 /// State of a beam. `none`: observed, nothing there. `near`: something too close to measure. `invalid`: not
 /// observed, or the device does not vouch for the value.
@@ -57,7 +50,7 @@ struct PlanarScan {
   float angle_min = 0;        ///< rad
   float angle_max = 0;        ///< rad
   float angle_increment = 0;  ///< rad, may be negative (scanner mounted upside down)
-  float time_increment = 0;   ///< s between neighbouring beams
+  float time_increment = 0;   ///< s between neighbouring beams; negative: the last beam was measured first
   float scan_time = 0;        ///< s between scans
   float range_min = 0;        ///< m
   float range_max = 0;        ///< m
@@ -92,6 +85,10 @@ struct PlanarScan {
     ranges[i] = range_without_hit(status);
     statuses[i] = status;
   }
+  /// Makes the unwanted beams of a window, of which this is the scan, `invalid`.
+  void hide_gap(const BeamWindow& window);
+  /// Reverses the order of the beams. The stamp stays that of the first one in the message.
+  void reverse();
   /// Stores a measured range, m: below range_min it is `near`, beyond range_max `none`.
   void set_measured(std::size_t i, float range_m) {
     if (range_m < range_min)

@@ -126,24 +126,57 @@ class Forecast {
     if (are_small && std::any_of(angles.begin(), angles.end(), looks_like_rad))
       add(turn, "looks like rad and is taken as degrees; in rad the key is rpy");
   }
-  /// The range of a sensor as seen from `frame`.
-  double reach_of(const SensorConfig* sensor, const std::string& frame) const {
-    if (sensor == nullptr || sensor->model == nullptr || sensor->model->range_max <= 0) return unknown_reach;
-    const double own = sensor->model->range_max, limit = sensor->driver.max_range;
+  /// The range of a sensor, or up to `most` m of it, as seen from `frame`.
+  double reach_of(const SensorConfig* sensor, const std::string& frame, double most = unknown_reach) const {
+    if (sensor == nullptr || sensor->model == nullptr || sensor->model->range_max <= 0) return most;
+    const double own = std::min(most, sensor->model->range_max), limit = sensor->driver.max_range;
     const auto pose = pose_of(frame, sensor->frame_id);
     return pose ? (limit > 0 ? std::min(own, limit) : own) + pose->translation().norm() : unknown_reach;
   }
-  /// Checks that the sources see as far as a free beam requires; `free_required`: 0: range_max.
+  /// Checks that the sources see as far as a free beam requires, and prove it without a return (`proven`);
+  /// `free_required`: 0: range_max.
   template <class Output>
-  void question_reach(const Value& entry, const Output& output, double reach, double free_required = 0) {
+  void question_reach(const Value& entry, const Output& output, double reach, double proven,
+                      double free_required = 0) {
     const double range_max = output.output.grid.range_max;
     const double wanted = free_required > 0 ? std::min(free_required, range_max) : range_max;
     if (output.has_visibility() && output.output.unobserved == EmptyBeam::inf)
       add(value_of(entry, "unobserved"), "is inf: what nobody has seen looks as what is free");
-    if (!output.has_visibility() || wanted <= reach) return;
+    if (!output.has_visibility() || wanted <= std::min(reach, proven)) return;
     const Value key = value_of(entry, free_required > 0 ? "free_required" : "range_max");
-    add(key, "is " + number_text(wanted) + " m, and its sources see no farther than " +
-                 printed("%.1f", reach) + " m: no beam of profile strict or safety is ever free (+inf)");
+    if (wanted > reach)
+      add(key, "is " + number_text(wanted) + " m, and its sources see no farther than " +
+                   printed("%.1f", reach) + " m: no beam of profile strict or safety is ever free (+inf)");
+    else if (proven > 0)
+      add(key,
+          "is " + number_text(wanted) + " m, and without return its sources prove no more than " +
+              printed("%.1f", proven) +
+              " m free, as far as they detect dark targets: in an open field no beam of profile strict "
+              "or safety is free (+inf); lower it, or set no_return_free_range if nothing dark is about");
+  }
+  /// Checks that the sector between angle_min and angle_max lies in the view of its sensor.
+  void question_sector(const Value& entry, const Model* model, std::optional<double> first,
+                       std::optional<double> last) {
+    const Sector sector = sector_between(first, last);
+    if (sector.is_all()) return;
+    const Value key = value_of(entry, last ? "angle_max" : "angle_min");
+    const double width = 2 * sector.half_width * deg_per_rad;
+    if (first && last && *last < *first)
+      add(key, "is below angle_min: the sector goes counter-clockwise through straight behind and is " +
+                   printed("%.1f", width) + " deg wide");
+    if (model == nullptr || model->view <= 0 || model->view >= two_pi - 0.01) return;
+    const Sector view{0, model->view / 2};
+    int seen = 0, outside = 0;
+    constexpr int samples = 720;
+    for (int k = 0; k < samples; ++k) {
+      const double angle = two_pi * k / samples;
+      if (view.holds(angle)) ++(sector.holds(angle) ? seen : outside);
+    }
+    const double kept = seen * 360.0 / samples;
+    if (outside == 0 || kept > 0.75 * width) return;
+    add(key, printed("keeps %.0f of %.0f deg: ", kept, width) + std::string(model->name) +
+                 printed(" sees %.1f to %.1f deg, and beams beyond do not exist",
+                         -view.half_width * deg_per_rad, view.half_width * deg_per_rad));
   }
   bool is_merged(const std::string& topic) const {
     return std::any_of(config_.merged_scans.begin(), config_.merged_scans.end(), [&](const auto& merged) {
@@ -190,6 +223,7 @@ class Forecast {
       add(value_of(entry, "ip_address"),
           "is " + sensor.ip_address->to_string() + ", the address of no device; expected that of the sensor");
     if (sensor.pose) question(value_of(entry, "pose"), *sensor.pose);
+    question_sector(entry, sensor.model, sensor.driver.angle_min, sensor.driver.angle_max);
     const std::string& frame = sensor.points_frame;
     if (frame.empty() || is_placed(sensor.name, frame)) return;
     add(entry,
@@ -199,10 +233,17 @@ class Forecast {
   }
   void check(const MergedScanConfig& merged) {
     const Value entry = value_of(value_of(root_, "merged_scans"), merged.name);
-    double reach = 0;
-    for (const std::string& source : merged.laserscan_topics)
-      reach = std::max(reach, reach_of(config_.find_sensor(source), merged.destination_frame));
-    question_reach(entry, merged, reach, merged.free_required);
+    double reach = 0, proven = 0;
+    for (const std::string& source : merged.laserscan_topics) {
+      const SensorConfig* sensor = config_.find_sensor(source);
+      reach = std::max(reach, reach_of(sensor, merged.destination_frame));
+      const auto set = merged.source_settings.find(source);
+      const SourceSettings own = set == merged.source_settings.end() ? SourceSettings() : set->second;
+      proven = std::max(proven, reach_of(sensor, merged.destination_frame, own.no_return_free_range));
+      question_sector(value_of(value_of(entry, "source_settings"), source),
+                      sensor == nullptr ? nullptr : sensor->model, own.angle_min, own.angle_max);
+    }
+    question_reach(entry, merged, reach, proven, merged.free_required);
     check_merged(entry, merged, merged.laserscan_topics, !config_.vehicle.footprint.empty());
   }
   void check(const MergedCloudConfig& merged) {
@@ -233,12 +274,15 @@ class Forecast {
     const VehicleConfig& vehicle = config_.vehicle;
     const std::vector<std::string> lidars = config_.lidars_of(group);
     for (const auto& [frame, pose] : group.poses) question(value_of(value_of(entry, "poses"), frame), pose);
-    double reach = 0;
+    double reach = 0, proven = 0;
     for (const std::string& lidar : lidars) {
-      for (const std::string& frame : group.virtual_laser_scan)
-        reach = std::max(reach, reach_of(config_.find_sensor(lidar), frame));
+      const SensorConfig* sensor = config_.find_sensor(lidar);
+      for (const std::string& frame : group.virtual_laser_scan) {
+        reach = std::max(reach, reach_of(sensor, frame));
+        proven = std::max(proven, reach_of(sensor, frame, group.no_return_free_range));
+      }
     }
-    question_reach(entry, group, reach);
+    question_reach(entry, group, reach, group.no_return_free_range > 0 ? proven : 0);
     // Of several each sees where another one is blind.
     if (lidars.size() == 1) question_origins(entry, group, *config_.find_sensor(lidars[0]));
     std::set<std::string> unplaced, unknown;

@@ -79,6 +79,7 @@ struct SensorConfig {
   CloudLayout layout;              ///< of its cloud message
   std::string points_frame;        ///< frame of its cloud message; empty: frame_id
   bool deskew = false;             ///< the cloud message shows one instant, that of its stamp
+  bool counter_clockwise = false;  ///< its LaserScan has its beams in this order, whichever way it turns
   std::optional<RingScanSpec> ring_scan;  ///< one ring of a multi-plane lidar as a planar scan
   FrameFilterSettings filter;             ///< of what is published of it; other outputs see all of it
   Worker worker = Worker::sensors;        ///< receives it, see assign_workers()

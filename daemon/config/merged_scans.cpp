@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // `merged_scans:` of a configuration.
 #include <algorithm>
+#include <set>
 
 #include "daemon/config/reading.h"
 #include "daemon/config/sections.h"
@@ -79,41 +80,45 @@ std::string expected_sources(const Config& config) {
   return expected;
 }
 
-void check_window(const Mapping& yaml, const char* low, const char* high, double least, double most) {
-  if (least < most) return;
-  yaml.where(yaml.has(high) ? high : low)
-      .fail(std::string("leaves nothing between ") + low + " and " + high, std::string(low) + " < " + high);
-}
-
 void read_one_source(const Value& entry, SourceSettings& settings) {
   Mistakes mistakes;
   const Mapping yaml = mapping_of(entry, source_keys(), mistakes);
   read_keys(yaml, source_keys(), settings, mistakes);
   mistakes.throw_if_any();
-  check_window(yaml, "range_min", "range_max", settings.range_min, settings.range_max);
-  check_window(yaml, "angle_min", "angle_max", settings.angle_min, settings.angle_max);
+  if (settings.range_min >= settings.range_max)
+    yaml.where(yaml.has("range_max") ? "range_max" : "range_min")
+        .fail("leaves nothing between range_min and range_max", "range_min < range_max");
+  check_sector(yaml, sector_between(settings.angle_min, settings.angle_max));
 }
 
-void read_source_settings(const Mapping& yaml, const std::vector<std::string>& written, Merged& merged) {
-  const auto section = yaml.find("source_settings");
-  if (!section) return;
+/// Reads `source_settings:`. Without return a beam proves free space as far as its sensor detects dark
+/// targets, unless the file says otherwise.
+void read_source_settings(const Mapping& yaml, const SourceList& list, Merged& merged) {
   SourceSettings common;
   common.noise = merged.range_noise;
   common.echoes = merged.echoes;
   common.veil_filter = merged.veil_filter;
   const auto& sources = merged.laserscan_topics;
+  for (std::size_t i = 0; i < sources.size() && merged.has_visibility(); ++i) {
+    const SensorConfig* sensor = list.named[i].sensor;
+    if (sensor == nullptr || sensor->model == nullptr || sensor->model->dark_range <= 0) continue;
+    merged.source_settings.emplace(sources[i], common).first->second.no_return_free_range =
+        sensor->model->free_range();
+  }
+  const auto section = yaml.find("source_settings");
+  if (!section) return;
   std::vector<std::string_view> names(sources.begin(), sources.end());
-  names.insert(names.end(), written.begin(), written.end());
+  names.insert(names.end(), list.written.begin(), list.written.end());
   Mistakes mistakes;
   const Mapping entries(*section, names, &mistakes);
+  std::set<std::string> set_up;
   for (const auto& [name, entry] : entries.entries()) {
     const auto place = static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
     const std::string& source = sources[place % sources.size()];
     mistakes.attempt([&, &entry = entry] {
-      const auto [settings, is_new] = merged.source_settings.emplace(source, common);
-      if (!is_new)
+      if (!set_up.insert(source).second)
         entry.fail_at_key("is " + source + ", which has settings already", "one entry for each source");
-      read_one_source(entry, settings->second);
+      read_one_source(entry, merged.source_settings.emplace(source, common).first->second);
     });
   }
   mistakes.throw_if_any();
@@ -177,7 +182,7 @@ Merged read_merged(const std::string& name, const Value& entry, Reading& reading
           .fail("is vehicle.odometry_frame", "a frame that moves with the vehicle");
   });
   mistakes.attempt([&] { read_also(yaml, merged.also); });
-  if (has_sources) mistakes.attempt([&] { read_source_settings(yaml, sources.written, merged); });
+  if (has_sources) mistakes.attempt([&] { read_source_settings(yaml, sources, merged); });
   // The rules between keys need all of them.
   mistakes.throw_if_any();
   mistakes.attempt(
@@ -200,11 +205,15 @@ const Keys<SourceSettings>& source_keys() {
   static const Keys<S> rows{
       number("range_min", &S::range_min, 0, farthest_m, "m", "nearer returns are left out"),
       number("range_max", &S::range_max, 0, farthest_m, "m", "farther returns are left out"),
-      angle("angle_min", &S::angle_min, -most_turn_rad, most_turn_rad, "first angle in the sensor's frame"),
-      angle("angle_max", &S::angle_max, -most_turn_rad, most_turn_rad, "last angle in the sensor's frame"),
+      angle("angle_min", &S::angle_min, -most_turn_rad, most_turn_rad,
+            "begin of the sector that counts, in the sensor's frame"),
+      angle("angle_max", &S::angle_max, -most_turn_rad, most_turn_rad,
+            "its end, counter-clockwise from there"),
       number("no_return_free_range", &S::no_return_free_range, 0, farthest_m, "m",
              "how far a beam without return proves that nothing is there")
-          .by_default("range_max of the source's scan")};
+          .by_default(
+              "the range of a target of 10 % remission where it is known, else range_max of the source's "
+              "scan")};
   return rows;
 }
 

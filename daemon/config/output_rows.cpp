@@ -38,7 +38,8 @@ Keys<ScanGridSpec> grid_rows() {
   using G = ScanGridSpec;
   return {
       angle("angle_min", &G::angle_min, -two_pi, two_pi, "first beam"),
-      angle("angle_max", &G::angle_max, -two_pi, two_pi, "last beam"),
+      angle("angle_max", &G::angle_max, -two_pi, two_pi,
+            "last beam; below angle_min: counter-clockwise through straight behind"),
       whole("beams", &G::beams, 2, 32767, "number of beams, in place of angle_increment")
           .by_default("1440 for a full turn"),
       angle("angle_increment", &G::angle_increment, 0, pi_d, "between beams")
@@ -127,6 +128,10 @@ void check_output(Mapping& yaml, OutputScanConfig& output, Reading& reading) {
     yaml.where(yaml.has("max_height") ? "max_height" : "min_height")
         .fail("leaves no height between min_height and max_height", "min_height < max_height");
   ScanGridSpec& grid = output.grid;
+  if (grid.angle_max < grid.angle_min) {
+    grid.angle_max = grid.angle_min + 2 * sector_between(grid.angle_min, grid.angle_max).half_width;
+    if (grid.angle_max > two_pi) grid.angle_min -= two_pi, grid.angle_max -= two_pi;
+  }
   if (!grid.beams && !grid.angle_increment) {
     if (std::abs(grid.angle_max - grid.angle_min - two_pi) < 1e-9)
       grid.beams = default_beams_per_turn;
@@ -134,6 +139,12 @@ void check_output(Mapping& yaml, OutputScanConfig& output, Reading& reading) {
       grid.angle_increment = two_pi / static_cast<double>(default_beams_per_turn);
   }
   check_grid(grid, yaml, reading);
+}
+
+void check_sector(const Mapping& yaml, const Sector& sector) {
+  if (sector.half_width > 0) return;
+  yaml.where(yaml.has("angle_max") ? "angle_max" : "angle_min")
+      .fail("is a sector of no width", "angle_min and angle_max of a sector, counter-clockwise");
 }
 
 bool knows_free_space(const OutputScanConfig& output, const std::vector<AlsoScanConfig>& also) {

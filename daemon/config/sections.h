@@ -41,6 +41,8 @@ void default_ranges(const std::vector<SourceLimits>& sources, ScanGridSpec& grid
 bool knows_free_space(const OutputScanConfig& output, const std::vector<AlsoScanConfig>& also);
 /// What the keys of an output have to fulfil together; fills in what follows from them.
 void check_output(Mapping& yaml, OutputScanConfig& output, Reading& reading);
+/// Refuses an angle_min and angle_max between which nothing lies.
+void check_sector(const Mapping& yaml, const Sector& sector);
 /// Reads `also:`.
 void read_also(const Mapping& yaml, std::vector<AlsoScanConfig>& also);
 

@@ -118,17 +118,26 @@ Rows control_rows() {
 
 Keys<DriverConfig> planar_rows() {
   using D = DriverConfig;
-  return {angle("angle_min", &D::angle_min, -most_turn_rad, most_turn_rad, "beams before it are left out")
+  return {angle("angle_min", &D::angle_min, -most_turn_rad, most_turn_rad,
+                "begin of the sector that is kept, counter-clockwise to angle_max; alone: to straight behind")
               .unless_set("all beams"),
-          angle("angle_max", &D::angle_max, -most_turn_rad, most_turn_rad, "beams after it are left out")
+          angle("angle_max", &D::angle_max, -most_turn_rad, most_turn_rad,
+                "its end; below angle_min: the sector goes through straight behind")
               .unless_set("all beams"),
           flag("publish_intensity", &D::publish_intensity, "scans have intensities")};
 }
 
-KeyOf<S> scan_topic_row() {
-  return topic("scan_topic", &S::scan_topic, "its LaserScan, or that of scan_ring")
-      .by_default("NAME/scan")
-      .shown_if([](const S& sensor) { return sensor.ring_scan || sensor.model->kind == FrameKind::scan; });
+Rows scan_topic_rows() {
+  const auto has_scan = [](const S& sensor) {
+    return sensor.ring_scan || sensor.model->kind == FrameKind::scan;
+  };
+  return {topic("scan_topic", &S::scan_topic, "its LaserScan, or that of scan_ring")
+              .by_default("NAME/scan")
+              .shown_if(has_scan),
+          flag("counter_clockwise", &S::counter_clockwise,
+               "a LaserScan of a sensor that turns clockwise begins with the last beam: angle_increment > 0, "
+               "time_increment < 0")
+              .shown_if(has_scan)};
 }
 
 Keys<DriverConfig> echo_rows() {
@@ -239,7 +248,7 @@ const std::vector<SensorGroup>& sensor_groups() {
       {"SICK devices with logins", can<Trait::logins>, false, of_requests(login_keys()), set_in_device},
       {"Velodynes but the HDL-64E", can<Trait::web_control>, true, control_rows()},
       {"planar scanners", gives<FrameKind::scan>, false, of_driver(planar_rows()), by_sector},
-      {"planar scanners and Velodynes", gives_scans, false, {scan_topic_row()}},
+      {"planar scanners and Velodynes", gives_scans, false, scan_topic_rows()},
       {"planar scanners with several echoes", echoes, false, of_driver(echo_rows())},
       {"SICK safety scanners", has_output_paths, false, safety_topic_rows()},
       {"SICK safety scanners, SICK scanners that speak CoLa", can<Trait::states_on_request>, false,

@@ -161,11 +161,6 @@ void check_control(Mapping& parent, SensorConfig& sensor, Reading& reading) {
   sensor.driver.control = std::make_shared<VelodyneControl>(control);
 }
 
-void check_beams(const Mapping& yaml, const DriverConfig& driver) {
-  if (driver.angle_min && driver.angle_max && *driver.angle_max <= *driver.angle_min)
-    yaml.where("angle_max").fail("is not above angle_min", "angle_min < angle_max");
-}
-
 void check_frames(const Mapping& yaml, DriverConfig& driver) {
   if (driver.max_range != 0 && driver.max_range <= driver.min_range && yaml.has("max_range"))
     yaml.where("max_range").fail("is not above min_range", "min_range < max_range, or 0 for no limit");
@@ -193,7 +188,7 @@ void read_ring_scan(Mapping& yaml, SensorConfig& sensor) {
   const auto asked = yaml.find("scan_ring");
   const auto ring = read_ring(asked, sensor);
   const auto resolution = yaml.angle("scan_resolution");
-  for (const char* key : {"scan_resolution", "scan_topic"}) {
+  for (const char* key : {"scan_resolution", "scan_topic", "counter_clockwise"}) {
     if (!ring && yaml.has(key)) yaml.where(key).fail_at_key("is given without scan_ring", "both, or neither");
   }
   if (!ring) return;
@@ -302,7 +297,7 @@ void read_calibration(Mapping& yaml, SensorConfig& sensor, Reading& reading) {
 
 void check_device(Mapping& yaml, SensorConfig& sensor, Reading& reading, Mistakes& mistakes) {
   mistakes.attempt([&] { check_network(yaml, sensor); });
-  mistakes.attempt([&] { check_beams(yaml, sensor.driver); });
+  mistakes.attempt([&] { check_sector(yaml, sensor.driver.sector()); });
   mistakes.attempt([&] { check_filter(yaml, sensor); });
   if (sensor.model->has(Trait::web_control) && sensor.packet_topic.empty())
     mistakes.attempt([&] { check_control(yaml, sensor, reading); });

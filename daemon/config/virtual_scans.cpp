@@ -56,7 +56,9 @@ Keys<Virtual> evidence_rows() {
            "which returns count; the surface is made of the last ones"),
       number("no_return_free_range", &Virtual::no_return_free_range, 0, farthest_m, "m",
              "how far a beam without return proves that nothing is there")
-          .by_default("range_max of a Velodyne, else 0; the least of a merged cloud's lidars")};
+          .by_default(
+              "of a Velodyne the range of a target of 10 % remission where it is known, else range_max; of "
+              "others 0; the least of a merged cloud's lidars")};
   for (auto& row : rows) row.shown = [](const Virtual& scan) { return scan.has_visibility(); };
   return rows;
 }
@@ -135,8 +137,9 @@ void prepare_sources(const std::vector<std::string>& sources, Reading& reading) 
 /// A beam without return of these proves that nothing is there. Of other drivers' clouds nobody knows whether
 /// a beam was fired.
 double default_free_range(const SensorConfig& sensor) {
-  return sensor.model != nullptr && sensor.model->has(Trait::silent_beams_are_free) ? sensor.model->range_max
-                                                                                    : 0;
+  return sensor.model != nullptr && sensor.model->has(Trait::silent_beams_are_free)
+             ? sensor.model->free_range()
+             : 0;
 }
 
 /// The sensors behind cloud_topic.

@@ -102,9 +102,17 @@ void Sensor::publish_scan(const OutputTopic& topic, std::optional<FrameFilter>& 
     feed(scan);
     filter->apply(scan);
   }
-  context_.outlet.publish(topic, scan, context_.now);
-  for (const OutputTopic* more : more_scan_topics_) context_.outlet.publish(*more, scan, context_.now);
+  PlanarScan& published = in_order(scan);
+  context_.outlet.publish(topic, published, context_.now);
+  for (const OutputTopic* more : more_scan_topics_) context_.outlet.publish(*more, published, context_.now);
   if (!filter) feed(scan);
+}
+
+PlanarScan& Sensor::in_order(PlanarScan& scan) {
+  if (!config_.counter_clockwise || !(scan.angle_increment < 0)) return scan;
+  reversed_ = scan;
+  reversed_.reverse();
+  return reversed_;
 }
 
 void Sensor::publish_raw() {
@@ -162,7 +170,9 @@ void Sensor::publish_from_device(std::string_view name, const Payload& payload) 
 
 void Sensor::message(const DeviceMessage& message) { publish_from_device(topic_of(message), message); }
 
-void Sensor::extra_scan(std::string_view name, PlanarScan& scan) { publish_from_device(name, scan); }
+void Sensor::extra_scan(std::string_view name, PlanarScan& scan) {
+  publish_from_device(name, in_order(scan));
+}
 
 void Sensor::note(std::string_view sentence) { log_info("{}: {}", config_.name, sentence); }
 

@@ -131,6 +131,8 @@ class Sensor final : public DriverOutput {
   /// Publishes a scan on the sensor's topic, with echoes and flags on further topics. The filter is applied
   /// after unfiltered consumers.
   void publish_scan(const OutputTopic& topic, std::optional<FrameFilter>& filter, PlanarScan& scan);
+  /// The scan to publish of `scan`: with `counter_clockwise` that has its beams in this order.
+  PlanarScan& in_order(PlanarScan& scan);
   /// Publishes the sensor's cloud.
   void publish_cloud(Cloud& cloud, Stamp now);
   /// Publishes the packets since the last call, if any.
@@ -152,7 +154,7 @@ class Sensor final : public DriverOutput {
   CloudArranger arranger_;
   std::optional<CloudPlacer> placer_;
   std::optional<RingScan> ring_scan_;
-  PlanarScan ring_;
+  PlanarScan ring_, reversed_;
   RawPacketCollector raw_{config_};
   const OutputTopic* topic_ = nullptr;                // of its frames; nullptr, as below: none
   const OutputTopic* ring_topic_ = nullptr;           // of the ring that is a scan

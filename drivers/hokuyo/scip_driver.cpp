@@ -245,15 +245,14 @@ class ScipDriver final : public DriverBase, private ScipDialogue::Owner {
     const ScipScanRequest& request = geometry_->request;
     const double step = request.cluster * p.rad_per_step();
     const double first = p.angle(request.first_step + (request.cluster - 1) / 2.0);
-    const BeamWindow kept = lidard::choose_beams(config_, first, step, request.values(), scan_);
-    first_beam_ = kept.first;
+    window_ = lidard::choose_beams(config_, first, step, request.values(), scan_);
     scan_.time_increment = static_cast<float>(p.step_seconds() * request.cluster);
     range_max_mm_ = request.short_values ? std::min(p.range_max_mm, short_range_max_mm) : p.range_max_mm;
     scan_.range_min = static_cast<float>(p.range_min_mm * 1e-3);
     scan_.range_max = static_cast<float>(range_max_mm_ * 1e-3);
-    const auto steps_before = request.first_step + static_cast<int>(first_beam_) * request.cluster;
+    const auto steps_before = request.first_step + static_cast<int>(window_.first) * request.cluster;
     before_first_ray_ = span_from_seconds(p.step_seconds() * steps_before);
-    board_.update(ScipTrouble::no_beams, kept.count == 0, [] {
+    board_.update(ScipTrouble::no_beams, window_.count == 0, [] {
       return "no beam lies between angle_min and angle_max; correct the angles in the configuration";
     });
   }
@@ -288,11 +287,12 @@ class ScipDriver final : public DriverBase, private ScipDialogue::Owner {
       const auto intensity = request.intensities ? scip_number(values.substr(at + distance_size, 3))
                                                  : std::optional<std::uint64_t>(0);
       if (!distance || !intensity) return Reject::field;
-      const std::size_t beam = count - 1 - first_beam_;  // wraps below the first: then it is not less
+      const std::size_t beam = count - 1 - window_.first;  // wraps below the first: then it is not less
       if (beam >= scan_.beams || echo >= echoes) continue;
       put(beam, echo, static_cast<std::uint32_t>(*distance));
       if (with_intensities) scan_.intensities[scan_.index(beam, echo)] = static_cast<float>(*intensity);
     }
+    scan_.hide_gap(window_);
     return count == request.values() ? Reject::none : Reject::size;
   }
 
@@ -319,7 +319,7 @@ class ScipDriver final : public DriverBase, private ScipDialogue::Owner {
   };
   std::optional<Geometry> geometry_;
   int foreign_ = 0, unfit_answers_ = 0;
-  std::size_t first_beam_ = 0;
+  BeamWindow window_;
   Span before_first_ray_{0};
   int range_max_mm_ = 0;
   PlanarScan scan_;

@@ -149,21 +149,15 @@ void for_each_entry(std::string_view body, Use&& use) {
   }
 }
 
-/// The request for the steps inside the configured angles (all of them if there are none), with cluster and
-/// skip.
+/// The request for the steps inside the configured angles (all of them if there are none) and what lies
+/// between them, with cluster and skip.
 inline ScipScanRequest request_for(const ScipParameters& p, const DriverConfig& config) {
   ScipScanRequest request;
-  // Configured angles are rounded: a step on the limit is inside.
-  constexpr double slack = 0.01;
-  const auto step_at = [&p](double angle) { return angle / p.rad_per_step() + p.front_step; };
-  const double low = config.angle_min ? std::ceil(step_at(*config.angle_min) - slack) : p.first_step;
-  const double high = config.angle_max ? std::floor(step_at(*config.angle_max) + slack) : p.last_step;
-  request.first_step = static_cast<int>(std::clamp<double>(low, p.first_step, p.last_step));
-  request.last_step = static_cast<int>(std::clamp<double>(high, p.first_step, p.last_step));
-  if (low > high || request.last_step < request.first_step) {
-    request.first_step = p.first_step;
-    request.last_step = p.last_step;
-  }
+  const auto steps = static_cast<std::size_t>(p.last_step - p.first_step + 1);
+  const BeamWindow window = beams_inside(config.sector(), p.angle(p.first_step), p.rad_per_step(), steps);
+  request.first_step = p.first_step + static_cast<int>(window.first);
+  request.last_step =
+      window.count == 0 ? p.last_step : request.first_step + static_cast<int>(window.count) - 1;
   request.cluster = std::clamp(config.requests.cluster.value_or(1), 1, 99);
   request.skip = std::clamp(config.requests.skip.value_or(0), 0, 9);
   return request;

@@ -101,8 +101,7 @@ class UamDriver final : public DriverBase {
     scan_.time_increment = static_cast<float>(turn_s * row_.step_deg / 360);
     state_->topic = "status";
     state_->frame_id = config.frame_id;
-    first_beam_ =
-        choose_beams(config_, first_deg * rad_per_deg, row_.step_deg * rad_per_deg, row_.beams, scan_).first;
+    window_ = choose_beams(config_, first_deg * rad_per_deg, row_.step_deg * rad_per_deg, row_.beams, scan_);
   }
 
   Verdict receive(const Packet& packet, DriverOutput& out) override {
@@ -233,7 +232,7 @@ class UamDriver final : public DriverBase {
     const bool with_intensities = row_.intensities && config_.publish_intensity;
     scan_.reset(scan_.beams, 1, with_intensities);
     for (std::size_t i = 0; i < scan_.beams; ++i) {
-      const std::size_t at = uam_distances_at + 4 * (first_beam_ + i);
+      const std::size_t at = uam_distances_at + 4 * (window_.first + i);
       const auto value = uam_number(frame, at, 4);
       if (!value) return Reject::field;
       if (*value == no_object) {
@@ -250,6 +249,7 @@ class UamDriver final : public DriverBase {
       if (!intensity) return Reject::field;
       scan_.intensities[i] = static_cast<float>(*intensity);
     }
+    scan_.hide_gap(window_);
     return Reject::none;
   }
 
@@ -264,7 +264,7 @@ class UamDriver final : public DriverBase {
     const Stamp begin = clock_.begin_of(sweep, skipped);
     if (skipped < longest_loss) counters_.lost_packets += static_cast<std::uint64_t>(skipped);
     counters_.clock_steps = clock_.steps();
-    const Span before = span_from_seconds(turn_s * row_.step_deg / 360 * static_cast<double>(first_beam_));
+    const Span before = span_from_seconds(turn_s * row_.step_deg / 360 * static_cast<double>(window_.first));
     return stamps_.next(begin + before + config_.time_offset);
   }
 
@@ -302,7 +302,7 @@ class UamDriver final : public DriverBase {
   ScipClock clock_;
   SteadyStamps stamps_;
   UamStatus status_{};
-  std::size_t first_beam_ = 0;
+  BeamWindow window_;
   PlanarScan scan_;
   ReusedMessage<DeviceState> state_;
 };
@@ -321,6 +321,7 @@ Model scanner(const char* name, const char* product, const UamRow& row, const ch
   model.range_min = 0.05;                     // unverified
   model.range_max = (first_code - 1) * 1e-3;  // what the wire can say
   model.beams = row.beams;
+  model.view = row.step_deg * static_cast<double>(row.beams - 1) * rad_per_deg;
   model.messages = {message_topic<DeviceState>("status")};
   model.row = &row;
   model.make = make_uam_driver;

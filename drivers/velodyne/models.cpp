@@ -266,6 +266,9 @@ Model spinning(const char* name, const char* product, const ModelRow& row, doubl
   model.range_min = 0.4;  // nearer returns are from the housing or the mounting (launch files of ros-drivers)
   model.range_max = range_max;
   model.beams = row.lasers;
+  // HDL-64E: 50 m for pavement (reflectivity 0.10), 120 m for cars and foliage (0.80), its data sheet as
+  // others quote it. The data sheets of the others give the range of bright targets alone.
+  if (row.banks == 2) model.dark_range = 50;
   model.traits = {Trait::revolutions, Trait::calibration, Trait::packet_messages};
   // Of an HDL-64E S1 a column does not show which beams were fired.
   if (!row.bank_by_bank) model.traits.add({Trait::silent_beams_are_free});

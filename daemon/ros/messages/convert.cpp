@@ -87,8 +87,7 @@ constexpr float longest_scan_s = 60;
 const char* what_is_wrong_in_time(const sensor_msgs::LaserScan& m) {
   if (!std::isfinite(m.time_increment)) return "time_increment is not finite";
   if (!std::isfinite(m.scan_time)) return "scan_time is not finite";
-  if (m.time_increment < 0) return "time_increment is negative";
-  if (m.time_increment * static_cast<float>(m.ranges.size()) > longest_scan_s)
+  if (std::abs(m.time_increment) * static_cast<float>(m.ranges.size()) > longest_scan_s)
     return "time_increment makes the scan longer than 60 s";
   return nullptr;
 }
@@ -222,6 +221,8 @@ const char* from_ros(const sensor_msgs::LaserScan& message, PlanarScan& scan, co
   scan.range_max = message.range_max;
   for (std::size_t i = 0; i < message.ranges.size(); ++i) read_beam(message.ranges[i], i, scan);
   if (with_intensities) scan.intensities = message.intensities;
+  // Here beams are in the order in which they were measured.
+  if (scan.time_increment < 0) scan.reverse();
   return nullptr;
 }
 

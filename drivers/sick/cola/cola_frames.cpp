@@ -99,23 +99,22 @@ ColaScanBuilder::ColaScanBuilder(const DriverConfig& config, const ColaRow& row)
 
 bool ColaScanBuilder::choose(const ColaGeometry& geometry) {
   const double start = geometry.angle(row_, 0);
-  const BeamWindow kept = beams_between(start, geometry.angle(row_, 1) - start, geometry.beams,
-                                        config_.angle_min, config_.angle_max);
-  first_beam_ = kept.first;
-  const double first = geometry.angle(row_, static_cast<double>(first_beam_));
-  const double next = geometry.angle(row_, static_cast<double>(first_beam_) + 1);
+  window_ = beams_inside(config_.sector(), start, geometry.angle(row_, 1) - start, geometry.beams);
+  const double first = geometry.angle(row_, static_cast<double>(window_.first));
+  const double next = geometry.angle(row_, static_cast<double>(window_.first) + 1);
   echoes_ = config_.publish_multiecho ? geometry.echoes : 1;
-  scan_.beams = kept.count;
+  scan_.beams = window_.count;
   scan_.set_angles(static_cast<float>(first), static_cast<float>(next - first));
   scan_.scan_time = geometry.scan_hz > 0 ? static_cast<float>(1 / geometry.scan_hz) : 0;
   scan_.time_increment = static_cast<float>(geometry.beam_period);
-  return kept.count > 0;
+  return window_.count > 0;
 }
 
 PlanarScan& ColaScanBuilder::fill(const ColaScan& telegram) {
   const ColaChannel* rssi = telegram.intensity(0);
   scan_.reset(scan_.beams, echoes_, config_.publish_intensity && rssi != nullptr);
   for (std::size_t echo = 0; echo < echoes_; ++echo) fill_echo(telegram, echo);
+  scan_.hide_gap(window_);
   return scan_;
 }
 
@@ -125,7 +124,7 @@ void ColaScanBuilder::fill_echo(const ColaScan& telegram, std::size_t echo) {
   if (rssi != nullptr && rssi->values.size() != distance.values.size()) rssi = nullptr;
   constexpr double metres = 1e-3;
   for (std::size_t i = 0; i < scan_.beams; ++i) {
-    const std::size_t from = first_beam_ + i;
+    const std::size_t from = window_.first + i;
     const std::size_t at = scan_.index(i, echo);
     if (rssi != nullptr) scan_.intensities[at] = static_cast<float>(rssi->value(from));
     const BeamStatus status = status_of_raw(distance.values[from], row_);

@@ -59,7 +59,7 @@ class ColaScanBuilder {
   /// Chooses the beams between the configured angles. False: none.
   bool choose(const ColaGeometry& geometry);
   /// The telegram's beam that is the first one of the scan.
-  std::size_t first_beam() const { return first_beam_; }
+  std::size_t first_beam() const { return window_.first; }
   /// The telegram's values in the chosen geometry; the stamp is the caller's.
   PlanarScan& fill(const ColaScan& telegram);
 
@@ -68,7 +68,7 @@ class ColaScanBuilder {
 
   const DriverConfig& config_;
   const ColaRow& row_;
-  std::size_t first_beam_ = 0;
+  BeamWindow window_;
   std::size_t echoes_ = 1;
   PlanarScan scan_;
 };

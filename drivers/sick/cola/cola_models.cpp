@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/base/angle.h"
 #include "drivers/sick/cola/cola_frames.h"
 
 namespace lidard::sick {
@@ -63,18 +64,23 @@ struct Facts {
   double range_min, range_max;  ///< m
   const char* verified;
   std::uint16_t port = usual_port;
+  double dark_range = 0;  ///< m, at 10 % remission
 };
 
-// Ranges: the products' data sheets, the largest of each family; the near ends are distances in recordings
-// (LMS111 0.08 m, MRS1104 16 mm). Unverified.
+// Dark ranges: SICK's pages of LMS111-10100 (18 m, 20 m at 90 %) and TiM240-2050300 (2.8 m), the data sheet
+// of TiM561-2050101 (8 m, as the TiM571's), each as others quote it. An LMS14x or 15x sees farther. Those of
+// the other families are not known. Ranges: the products' data sheets, the largest of each family; the near
+// ends are distances in recordings (LMS111 0.08 m, MRS1104 16 mm). Unverified.
 constexpr Facts all_facts[] = {
-    {"sick_lms1xx", "LMS1xx", &lms1xx, 50, 0.05, 50, "1 capture (LMS111), telegrams of an LMS151"},
+    {"sick_lms1xx", "LMS1xx", &lms1xx, 50, 0.05, 50, "1 capture (LMS111), telegrams of an LMS151", usual_port,
+     18},
     {"sick_lms5xx", "LMS5xx", &lms5xx, 25, 0.05, 80, "1 capture (LMS511), single answers in CoLa A"},
     {"sick_lms1000", "LMS1000", &lms1000, 150, 0.05, 64, unverified},
     {"sick_lms4000", "LMS4000", &lms4000, 600, 0.5, 3.5, unverified},
-    {"sick_tim240", "TiM240", &tim240, 14.5, 0.05, 10, unverified, other_port},
+    {"sick_tim240", "TiM240", &tim240, 14.5, 0.05, 10, unverified, other_port, 2.8},
     {"sick_tim4xx", "TiM4xx", &tim, 15, 0.05, 25, unverified},
-    {"sick_tim5xx", "TiM5xx", &tim, 15, 0.05, 25, "1 telegram of CoLa A, headers of two TiM551"},
+    {"sick_tim5xx", "TiM5xx", &tim, 15, 0.05, 25, "1 telegram of CoLa A, headers of two TiM551", usual_port,
+     8},
     {"sick_tim7xx", "TiM7xx", &tim, 15, 0.05, 25, "2 captures (TiM781S)"},
     {"sick_tim7xxs", "TiM7xxS", &tim7xxs, 15, 0.05, 25, "2 captures (TiM781S)"},
     {"sick_lrs36x0", "LRS36x0", &backward, 8, 0.5, 250, unverified},
@@ -95,6 +101,7 @@ Model model_of(const Facts& facts) {
   model.frame_period = (facts.row->layered ? facts.row->turn : 1) / facts.hz;
   model.range_min = facts.range_min;
   model.range_max = facts.range_max;
+  model.dark_range = facts.dark_range;
   model.beams = facts.row->layered ? facts.row->turn : 0;
   model.row = facts.row;
   model.make = make_cola_driver;
@@ -105,14 +112,6 @@ Model model_of(const Facts& facts) {
   if (facts.row->layered) model.messages.push_back(message_topic<ImuSample>());
   return model;
 }
-
-}  // namespace
-
-void append_cola_models(std::vector<Model>& list) {
-  for (const Facts& facts : all_facts) list.push_back(model_of(facts));
-}
-
-namespace {
 
 /// Prefixes of the names in DeviceIdent; the first match counts. Recorded: "MRS1xxxx", "MRS1xxxC". The others
 /// follow SICK 8014631 and are unverified.
@@ -185,6 +184,14 @@ constexpr std::array families = {
 };
 /// The number of families whose scans are known from devices; the last three accept unlisted values.
 constexpr std::size_t known_families = families.size() - 3;
+
+/// Widest view of a model, rad; 0: not known.
+double view_of(std::string_view model) {
+  for (const Family& family : families) {
+    if (family.model == model) return (family.end_deg - family.start_deg) * rad_per_deg;
+  }
+  return 0;
+}
 
 bool near_to(double a, double b, double tolerance) { return std::abs(a - b) <= tolerance; }
 
@@ -315,6 +322,13 @@ class ColaRecognizer final : public Recognizer {
 };
 
 }  // namespace
+
+void append_cola_models(std::vector<Model>& list) {
+  for (const Facts& facts : all_facts) {
+    list.push_back(model_of(facts));
+    list.back().view = view_of(facts.name);
+  }
+}
 
 /// The text may follow its length, in either dialect.
 std::string_view cola_model_named(std::string_view identity) {

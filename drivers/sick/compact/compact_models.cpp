@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/sick/compact/compact_models.h"
 
+#include "core/base/angle.h"
 #include "drivers/sick/compact/compact_telegram.h"
 
 namespace lidard::sick {
@@ -32,6 +33,7 @@ Model udp_model(const char* name, const char* product, const char* verified) {
 Model picoscan(const char* name, const char* product, const char* verified) {
   Model model = udp_model(name, product, verified);
   model.traits.add(Trait::echoes);
+  model.view = 276 * rad_per_deg;
   model.messages.push_back(message_topic<DeviceState>("encoder"));
   model.extra_scans = {"reflectors"};
   return model;
@@ -65,6 +67,8 @@ void append_compact_models(std::vector<Model>& list) {
   const char* sister = "no capture of a device; same telegrams as multiScan136";
   list.push_back(picoscan("sick_picoscan150", "picoScan150",
                           "1 capture and three telegrams of a device, Compact 4; the simulator"));
+  // PICS150-01000 Pro-1, as others quote SICK; those of the other versions and models are not known.
+  list.back().dark_range = 40;
   list.push_back(picoscan("sick_picoscan120", "picoScan120", "the simulator; same telegrams as picoScan150"));
   list.push_back(multiscan("sick_multiscan136", "multiScan136",
                            "captures of a device, Compact and MSGPACK, with inertial unit"));

@@ -113,8 +113,7 @@ class ScanBuilder final : public FrameBuilder {
 
   /// The part of the window within the configured angles.
   BeamWindow kept(BeamWindow window) {
-    BeamWindow part = beams_between(grid_->angle(window.first), grid_->step, window.count, config_.angle_min,
-                                    config_.angle_max);
+    BeamWindow part = beams_inside(config_.sector(), grid_->angle(window.first), grid_->step, window.count);
     part.first += window.first;
     warnings_.set(SegmentTrouble::no_beams,
                   part.count > 0
@@ -147,6 +146,7 @@ class ScanBuilder final : public FrameBuilder {
     const BeamWindow part = kept(all);
     raster.copy(part.first, part.count, echoes_, config_.publish_intensity, scan_);
     hide_unseen_edges(all, part);
+    scan_.hide_gap(part);
     set_times(raster, part);
     out.scan(scan_);
     if (!config_.model->extra_scans.empty() && raster.reflectors() > 0) publish_reflectors(raster, part, out);
@@ -187,6 +187,7 @@ class ScanBuilder final : public FrameBuilder {
         marked_.set_without_hit(i, BeamStatus::invalid);
       if (!marked_.intensities.empty()) marked_.intensities[i] = reflector.intensity;
     }
+    marked_.hide_gap(kept);
     out.extra_scan(reflectors_topic, marked_);
   }
 

@@ -240,11 +240,10 @@ class SafetyDriver final : public DriverBase {
   void choose_beams() {
     const double step = geometry_->step_deg * rad_per_deg;
     const double first = (geometry_->start_deg - row_.ahead_deg) * rad_per_deg;
-    const BeamWindow kept = lidard::choose_beams(config_, first, step, geometry_->beams, scan_);
-    first_beam_ = kept.first;
+    window_ = lidard::choose_beams(config_, first, step, geometry_->beams, scan_);
     scan_.scan_time = static_cast<float>(geometry_->scan_time_ms * 1e-3);
     scan_.time_increment = static_cast<float>(seconds(beam_period(*geometry_)));
-    board_.update(Warning::no_beams_left, kept.count == 0, [&] {
+    board_.update(Warning::no_beams_left, window_.count == 0, [&] {
       return "no beam lies between angle_min and angle_max, the scanner sends " + describe(*geometry_) +
              " (90 deg is ahead); correct the angles in the configuration";
     });
@@ -264,7 +263,7 @@ class SafetyDriver final : public DriverBase {
              " m and farther echoes count as none; choose the model with the longer range";
     });
     ++counters_.frames;
-    topics_.publish_beams(telegram_, scan_, first_beam_, out);
+    topics_.publish_beams(telegram_, scan_, window_, out);
     out.scan(scan_);
   }
 
@@ -274,7 +273,7 @@ class SafetyDriver final : public DriverBase {
     unsigned flags = 0;
     scan_.flags.resize(scan_.beams);
     for (std::size_t i = 0; i < scan_.beams; ++i) {
-      const Ms3Beam beam = telegram_.beam(first_beam_ + i);
+      const Ms3Beam beam = telegram_.beam(window_.first + i);
       scan_.flags[i] = beam.status;
       flags |= beam.status;
       if (config_.publish_intensity) scan_.intensities[i] = beam.reflectivity;
@@ -289,12 +288,13 @@ class SafetyDriver final : public DriverBase {
       if (range > 1.05F * scan_.range_max) beyond_range_m_ = std::max<double>(beyond_range_m_, range);
     }
     // The ranges show these two.
+    scan_.hide_gap(window_);
     if ((flags & ~(0U + ms3_beam::valid + ms3_beam::infinite)) == 0) scan_.flags.clear();
   }
 
   /// The data leaves after the last beam; the first published beam was measured so many periods before.
   Stamp first_ray(Stamp end) {
-    const auto before = static_cast<std::int64_t>(geometry_->beams - 1 - first_beam_);
+    const auto before = static_cast<std::int64_t>(geometry_->beams - 1 - window_.first);
     return stamps_.next(end - beam_period(*geometry_) * before + config_.time_offset);
   }
 
@@ -316,7 +316,7 @@ class SafetyDriver final : public DriverBase {
   SafetyStatus status_;
 
   std::optional<Ms3Derived> geometry_;
-  std::size_t first_beam_ = 0;
+  BeamWindow window_;
   PlanarScan scan_;
   SteadyStamps stamps_;
   double beyond_range_m_ = 0;

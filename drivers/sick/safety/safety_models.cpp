@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/sick/safety/safety_models.h"
 
+#include "core/base/angle.h"
 #include "drivers/sick/safety/ms3_telegram.h"
 #include "drivers/sick/safety/safety_status.h"
 
@@ -22,6 +23,7 @@ Model scanner(const char* name, const char* product, double frame_period, double
   model.frame_period = frame_period;
   model.range_min = 0.1;  // as sick_safetyscanners has it; unverified
   model.range_max = range_max;
+  model.view = 275 * rad_per_deg;
   // CoLa 2 needs no login for what concerns the data output.
   model.traits = {Trait::settings_writable, Trait::receiver_settable, Trait::states_on_request};
   model.messages = {message_topic<DeviceState>(safety_topic::system_state),

@@ -135,9 +135,9 @@ void SafetyTopics::publish_states(const Ms3Telegram& telegram, const PlanarScan&
   }
 }
 
-void SafetyTopics::publish_beams(const Ms3Telegram& telegram, const PlanarScan& scan, std::size_t first_beam,
-                                 DriverOutput& out) {
-  publish_intrusion(telegram, scan, first_beam, out);
+void SafetyTopics::publish_beams(const Ms3Telegram& telegram, const PlanarScan& scan,
+                                 const BeamWindow& window, DriverOutput& out) {
+  publish_intrusion(telegram, scan, window, out);
   publish_beam_status(scan, out);
 }
 
@@ -176,19 +176,20 @@ void SafetyTopics::publish_paths(const Ms3Application& a, DriverOutput& out) {
 }
 
 void SafetyTopics::publish_intrusion(const Ms3Telegram& telegram, const PlanarScan& scan,
-                                     std::size_t first_beam, DriverOutput& out) {
+                                     const BeamWindow& window, DriverOutput& out) {
   bool any_path = false;
   for (const ByteView path : telegram.intrusion) any_path = any_path || !path.empty();
   if (!any_path) return;
   intrusion_ = scan;
   intrusion_.reset(scan.beams);
   for (std::size_t i = 0; i < scan.beams; ++i) {
-    const std::uint32_t paths = interrupted_paths(telegram, first_beam + i);
+    const std::uint32_t paths = interrupted_paths(telegram, window.first + i);
     intrusion_.intensities[i] = static_cast<float>(paths);
     if (paths == 0) continue;
     intrusion_.ranges[i] = scan.ranges[i];
     intrusion_.statuses[i] = scan.statuses[i];
   }
+  intrusion_.hide_gap(window);
   out.extra_scan(safety_topic::intrusion, intrusion_);
 }
 

@@ -45,14 +45,14 @@ class SafetyTopics {
   /// The general system state and the output paths (application data), which come in standby too.
   void publish_states(const Ms3Telegram& telegram, const PlanarScan& scan, DriverOutput& out);
   /// Interrupted beams and the flags of each beam. `scan` is the one of this telegram; its beam 0 is the
-  /// telegram's beam `first_beam`.
-  void publish_beams(const Ms3Telegram& telegram, const PlanarScan& scan, std::size_t first_beam,
+  /// telegram's beam `window.first`.
+  void publish_beams(const Ms3Telegram& telegram, const PlanarScan& scan, const BeamWindow& window,
                      DriverOutput& out);
 
  private:
   void publish_state(const Ms3State& state, DriverOutput& out);
   void publish_paths(const Ms3Application& application, DriverOutput& out);
-  void publish_intrusion(const Ms3Telegram& telegram, const PlanarScan& scan, std::size_t first_beam,
+  void publish_intrusion(const Ms3Telegram& telegram, const PlanarScan& scan, const BeamWindow& window,
                          DriverOutput& out);
   /// The scan again, with its flags as intensities.
   void publish_beam_status(const PlanarScan& scan, DriverOutput& out);

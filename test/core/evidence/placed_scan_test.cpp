@@ -263,6 +263,19 @@ TEST(PlacedScan, WindowsOfRangeAndAngleLeaveReturnsOut) {
   EXPECT_EQ(c.sweep.kind[c.towards(40 * degree)], Return::nothing);
 }
 
+TEST(PlacedScan, WindowOfAngleGoesThroughStraightBehind) {
+  FlatWorld world;
+  world.add_box({0, 0}, {5, 5}, 0);
+  Conditioned c(world, scanner_at(0, 0, 0, 1));
+  c.settings.angle_min = 100 * degree;
+  c.settings.angle_max = -110 * degree;
+  c.take(Pose::Identity(), {}, {});
+  EXPECT_EQ(c.sweep.kind[c.towards(105 * degree)], Return::surface);
+  EXPECT_EQ(c.sweep.kind[c.towards(-115 * degree)], Return::surface);
+  EXPECT_EQ(c.sweep.kind[c.towards(-105 * degree)], Return::nothing);
+  EXPECT_EQ(c.sweep.kind[c.towards(0)], Return::nothing);
+}
+
 TEST(PlacedScan, EchoesAreChosenAsAsked) {
   PlanarScan scan;
   scan.reset(3, 2, true);

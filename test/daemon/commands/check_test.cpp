@@ -144,6 +144,59 @@ TEST_F(Check, QuestionsAReachBeyondEverySource) {
       << err_.str();
 }
 
+TEST_F(Check, QuestionsAReachThatSourcesDoNotProveWithoutReturn) {
+  const auto merged = [&](const std::string& model, const std::string& keys) {
+    err_.str(""), out_.str("");
+    EXPECT_EQ(check("vehicle: {footprint: [[-1, -1], [1, -1], [1, 1]]}\nsensors: {a: {model: " + model +
+                    ", ip_address: 10.0.0.1, pose: {xyz: [0, 0, 0]}}}\n"
+                    "merged_scans: {s: {laserscan_topics: [a], profile: strict, " +
+                    keys + "}}\n"),
+              0);
+    return err_.str();
+  };
+  EXPECT_NE(
+      merged("hokuyo_ust_10lx", "range_max: 10").find("without return its sources prove no more than 4.0 m"),
+      std::string::npos)
+      << err_.str();
+  EXPECT_NE(out_.str().find("no_return_free_range: 4\n"), std::string::npos) << out_.str();
+  EXPECT_EQ(merged("hokuyo_ust_10lx", "range_max: 4"), "");
+  EXPECT_EQ(merged("hokuyo_ust_10lx", "range_max: 10, free_required: 4"), "");
+  EXPECT_EQ(merged("hokuyo_ust_10lx", "range_max: 10, source_settings: {a: {no_return_free_range: 10}}"), "");
+  EXPECT_EQ(merged("hokuyo_utm_30lx_ew", "range_max: 30"), "") << "not known";
+  EXPECT_EQ(out_.str().find("no_return_free_range"), std::string::npos) << out_.str();
+}
+
+TEST_F(Check, QuestionsASectorThatTheScannerDoesNotSee) {
+  const auto sector = [&](const std::string& keys) {
+    err_.str("");
+    EXPECT_EQ(check("sensors: {a: {model: sick_microscan3, ip_address: 10.0.0.1, " + keys + "}}\n"), 0);
+    return err_.str();
+  };
+  for (const char* fine :
+       {"angle_min: 0, angle_max: 6.2832", "angle_min: -3.14, angle_max: 3.14",
+        "angle_min_deg: -140, angle_max_deg: 140", "angle_min_deg: 0, angle_max_deg: 180", "angle_min: 0.5"})
+    EXPECT_EQ(sector(fine), "");
+  EXPECT_NE(
+      sector("angle_min_deg: 90, angle_max_deg: 270")
+          .find("sensors.a.angle_max_deg: keeps 95 of 180 deg: sick_microscan3 sees -137.5 to 137.5 deg"),
+      std::string::npos)
+      << err_.str();
+  EXPECT_NE(sector("angle_min_deg: 150, angle_max_deg: -150").find("keeps 0 of 60 deg"), std::string::npos)
+      << err_.str();
+  EXPECT_NE(sector("angle_min_deg: 100, angle_max_deg: -100")
+                .find("is below angle_min: the sector goes counter-clockwise through straight behind and is "
+                      "160.0 deg wide"),
+            std::string::npos)
+      << err_.str();
+  EXPECT_EQ(check("sensors: {a: {model: sick_microscan3, ip_address: 10.0.0.1}}\n"
+                  "merged_scans: {m: {laserscan_topics: [a], "
+                  "source_settings: {a: {angle_min_deg: 150, angle_max_deg: 200}}}}\n"),
+            0);
+  EXPECT_NE(err_.str().find("merged_scans.m.source_settings.a.angle_max_deg: keeps 0 of 50 deg"),
+            std::string::npos)
+      << err_.str();
+}
+
 TEST_F(Check, QuestionsAVirtualScanThatBeginsWhereItsLidarIsBlind) {
   const std::string vehicle =
       "vehicle: {footprint: [[-4, -1], [0.1, -1], [0.1, 1], [-4, 1]]}\n"

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
+
 #include "drivers/registry/registry.h"
 #include "test/daemon/config/config_support.h"
 
@@ -146,11 +148,23 @@ TEST(MergedScanConfig, RefusesWrongProfiles) {
             "f:7:41: merged_scans.m.also.x is a mapping; expected strict, safety or flatten");
 }
 
+TEST(MergedScanConfig, AnEndBelowTheBeginMeansASectorThroughStraightBehind) {
+  for (const auto& [first, last, from, to] :
+       {std::array{2.5, -2.5, 2.5, two_pi - 2.5}, std::array{6.0, 5.9, 6 - two_pi, 5.9},
+        std::array{-6.0, -6.2, -6.0, two_pi - 6.2}, std::array{2.5, 3.78, 2.5, 3.78}}) {
+    const Config config =
+        with_outputs("merged_scans: {m: {laserscan_topics: rear, angle_min: " + std::to_string(first) +
+                     ", angle_max: " + std::to_string(last) + "}}\n");
+    EXPECT_NEAR(config.merged_scans[0].output.grid.angle_min, from, 1e-9);
+    EXPECT_NEAR(config.merged_scans[0].output.grid.angle_max, to, 1e-9);
+  }
+}
+
 TEST(MergedScanConfig, RefusesGridsWhereTheMistakeStands) {
   const std::string begin = "laserscan_topics: rear, ";
   EXPECT_EQ(merged_error(begin + "angle_increment: 0"),
             "f:7:48: merged_scans.m: angle_increment is not positive; expected a value above 0");
-  EXPECT_EQ(merged_error(begin + "angle_min: 1, angle_max_deg: -1"),
+  EXPECT_EQ(merged_error(begin + "angle_min: 1, angle_max: 1"),
             "f:7:60: merged_scans.m: angle_max is not above angle_min; expected angle_min < angle_max");
   EXPECT_EQ(merged_error(begin + "angle_increment: 0.1, beams: 10"),
             "f:7:48: merged_scans.m: both angle_increment and beams are given; expected one of them");
@@ -239,6 +253,45 @@ TEST(VirtualScanConfig, BeamsWithoutReturnProveFreedomOnlyWhereTheDriverIsOurs) 
   EXPECT_EQ(config.virtual_scans[0].no_return_free_range, find_model("velodyne_vlp16")->range_max);
   EXPECT_EQ(config.virtual_scans[0].ground.model, GroundModel::plane);
   EXPECT_EQ(config.virtual_scans[1].no_return_free_range, 0);
+}
+
+TEST(VirtualScanConfig, BeamsWithoutReturnProveNoMoreThanTheRangeOfDarkTargets) {
+  const auto free_range = [](const std::string& model, const std::string& keys) {
+    const Config config = parse_config("sensors: {roof: {model: " + model +
+                                           "}}\nvirtual_scans: {v: {cloud_topic: "
+                                           "roof, virtual_laser_scan: a, profile: strict" +
+                                           keys + "}}\n",
+                                       "f");
+    return config.virtual_scans[0].no_return_free_range;
+  };
+  EXPECT_EQ(free_range("velodyne_hdl64e_s3", ""), 50) << "at a reflectivity of 10 %";
+  EXPECT_EQ(free_range("velodyne_hdl64e_s3", ", no_return_free_range: 100"), 100);
+  EXPECT_EQ(free_range("velodyne_vlp16", ""), find_model("velodyne_vlp16")->range_max) << "not known";
+}
+
+TEST(MergedScanConfig, BeamsWithoutReturnProveNoMoreThanTheRangeOfDarkTargets) {
+  const auto settings = [](const std::string& keys) {
+    return parse_config(
+               "sensors: {a: {model: hokuyo_ust_10lx, ip_address: 10.0.0.1}, b: {model: "
+               "hokuyo_utm_30lx_ew, ip_address: 10.0.0.2}, c: {topic: /scan}}\n"
+               "merged_scans: {m: {laserscan_topics: [a, b, c], range_noise: 0.03, " +
+                   keys + "}}\n",
+               "f")
+        .merged_scans[0]
+        .source_settings;
+  };
+  EXPECT_EQ(settings("profile: flatten").size(), 0U) << "points alone prove nothing";
+  const auto known = settings("profile: strict");
+  ASSERT_EQ(known.size(), 1U);
+  EXPECT_EQ(known.at("a").no_return_free_range, 4);
+  EXPECT_EQ(known.at("a").noise, 0.03);
+  EXPECT_EQ(settings("profile: strict, source_settings: {a: {range_max: 8}}").at("a").no_return_free_range,
+            4);
+  EXPECT_EQ(settings("also: {s: safety}, source_settings: {a: {no_return_free_range: 9}}")
+                .at("a")
+                .no_return_free_range,
+            9)
+      << "what is written counts";
 }
 
 TEST(VirtualScanConfig, LooksForTheGroundUnlessItIsToldWhereItIs) {

@@ -176,9 +176,16 @@ TEST(SensorConfig, RefusesKeysThatTheModelCannotHonour) {
               HasSubstr("only for Velodynes; expected no such key"));
 }
 
-TEST(SensorConfig, RefusesAWindowThatEndsBeforeItsBegin) {
-  EXPECT_EQ(error_of("sensors: {a: {model: sick_microscan3, angle_min: 1, angle_max_deg: 10}}"),
-            "f:1:68: sensors.a.angle_max_deg is not above angle_min; expected angle_min < angle_max");
+TEST(SensorConfig, TakesAWindowThroughStraightBehindAndRefusesOneWithoutWidth) {
+  const Config config =
+      parse_config("sensors: {a: {model: sick_microscan3, angle_min: 2.5, angle_max: -2.5}}", "f");
+  const Sector sector = config.sensors[0].driver.sector();
+  EXPECT_TRUE(sector.holds(pi_d));
+  EXPECT_TRUE(sector.holds(-2.6));
+  EXPECT_FALSE(sector.holds(0));
+  EXPECT_EQ(error_of("sensors: {a: {model: sick_microscan3, angle_min_deg: 10, angle_max_deg: 10}}"),
+            "f:1:71: sensors.a.angle_max_deg is a sector of no width; expected angle_min and angle_max of a "
+            "sector, counter-clockwise");
 }
 
 TEST(SensorConfig, RefusesDeviceKeysBesideATopic) {

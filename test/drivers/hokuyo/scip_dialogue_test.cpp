@@ -70,6 +70,23 @@ TEST(ScipDialogue, AsksForWhatTheConfigurationWants) {
   EXPECT_EQ(bench.driver->counters().lost_packets, 0U);
 }
 
+TEST(ScipDialogue, AsksForAllStepsOfASectorThroughStraightBehindAndHidesTheRest) {
+  DriverConfig config = without_comparison();
+  config.publish_intensity = false;
+  config.angle_min = 90 * rad_per_deg;
+  config.angle_max = 270 * rad_per_deg;
+  ScipBench bench({}, config);
+  bench.run(1s);
+  EXPECT_EQ(bench.written, "QT\nVV\nPP\nII\nMD0000108001000\n");
+  ASSERT_FALSE(bench.scans.empty());
+  const PlanarScan& scan = bench.scans[0];
+  ASSERT_EQ(scan.beams, 1081U);
+  for (std::size_t beam = 181; beam < 900; ++beam)
+    EXPECT_EQ(scan.statuses[beam], BeamStatus::invalid) << beam;
+  EXPECT_NE(scan.statuses[180], BeamStatus::invalid);
+  EXPECT_NE(scan.statuses[900], BeamStatus::invalid);
+}
+
 TEST(ScipDialogue, AsksForEchoesWhereTheyAreWanted) {
   DriverConfig config = without_comparison();
   config.publish_multiecho = true;
