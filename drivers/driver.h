@@ -173,7 +173,9 @@ struct DriverConfig {
   std::shared_ptr<const VelodyneControl> control;  ///< web interface; nullptr: not used
 
   /// True if a direction (rad, counter-clockwise from the front) lies in the view.
-  bool in_view(double direction) const { return Sector{view_direction, view_width / 2}.holds(direction); }
+  bool in_view(double direction) const {
+    return Sector{view_direction - view_width / 2, view_direction + view_width / 2}.holds(direction);
+  }
   Sector sector() const { return sector_between(angle_min, angle_max); }
 };
 

@@ -77,11 +77,7 @@ struct Model {
   double fragments_per_packet = 1;   ///< IP fragments of a usual datagram; sizes the receive buffer
   double frame_period = 0;           ///< s, usual
   double range_min = 0, range_max = 0;  ///< m, constant in every scan
-  /// m: to here the device detects a target of 10 % remission, by its data sheet; 0: not known. So far a beam
-  /// without return proves that nothing is there.
-  double dark_range = 0;
-  double view = 0;        ///< rad, widest view of a planar scanner, its middle ahead; 0: not known
-  std::size_t beams = 0;  ///< rings of a multi-plane lidar; 0: the packets show it
+  std::size_t beams = 0;                ///< rings of a multi-plane lidar; 0: the packets show it
   Traits traits{};
   std::vector<MessageTopic> messages{};         ///< of DriverOutput::message()
   std::vector<std::string_view> extra_scans{};  ///< of DriverOutput::extra_scan()
@@ -89,6 +85,10 @@ struct Model {
   std::uint16_t (*level_ring)(const DriverConfig& config) = nullptr;
   const void* row = nullptr;  ///< the family's own table entry
   std::unique_ptr<Driver> (*make)(const DriverConfig& config) = nullptr;
+  /// m: to here the device detects a target of 10 % remission, by its data sheet; 0: not known. So far a beam
+  /// without return proves that nothing is there.
+  double dark_range = 0;
+  double view = 0;  ///< rad, widest view of a planar scanner, its middle ahead; 0: not known
 
   /// m that a beam without return proves free.
   double free_range() const { return dark_range > 0 ? std::min(dark_range, range_max) : range_max; }

@@ -19,25 +19,28 @@ inline float wrapped(float angle) {
   return angle < -turn / 2 ? angle + turn : angle;
 }
 
-/// A sector of the circle, rad; by default all of it.
+/// A sector of the circle from `first` counter-clockwise to `last`, rad, first <= last; by default all of it.
+/// A limit that is not finite does not limit: then the angles are those of a line, not of a circle.
 struct Sector {
-  double middle = 0;
-  double half_width = pi_d;
+  double first = -INFINITY;
+  double last = INFINITY;
 
-  bool is_all() const { return half_width >= pi_d - 5e-9; }
+  double width() const { return last - first; }
+  bool is_line() const { return std::isinf(first) || std::isinf(last); }
+  bool is_all() const { return width() >= two_pi - 1e-8 && std::isinf(first) == std::isinf(last); }
   /// True if `angle`, in whichever turn, lies inside, or outside by at most `slack`.
   bool holds(double angle, double slack = 1e-9) const {
-    return is_all() || std::fabs(std::remainder(angle - middle, two_pi)) <= half_width + slack;
+    if (is_line()) return angle >= first - slack && angle <= last + slack;
+    return is_all() || std::fabs(std::remainder(angle - (first + last) / 2, two_pi)) <= width() / 2 + slack;
   }
 };
 
-/// The sector from `first` counter-clockwise to `last`, through straight behind if `first` is the greater;
-/// a limit that is not given lies straight behind. The width of equal limits is 0.
+/// The sector between two limits, through straight behind if `first` is the greater.
 inline Sector sector_between(std::optional<double> first, std::optional<double> last) {
-  const double from = first.value_or(-pi_d);
-  double width = last.value_or(pi_d) - from;
-  if (width < 0) width = std::fmod(std::fmod(width, two_pi) + two_pi, two_pi);
-  return {from + width / 2, width / 2};
+  Sector sector{first.value_or(-INFINITY), last.value_or(INFINITY)};
+  if (sector.last < sector.first)
+    sector.last = sector.first + std::fmod(std::fmod(sector.width(), two_pi) + two_pi, two_pi);
+  return sector;
 }
 
 /// atan2 to about 2e-7 rad, without a branch that depends on the arguments, so that a loop over it can be

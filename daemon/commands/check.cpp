@@ -144,39 +144,32 @@ class Forecast {
       add(value_of(entry, "unobserved"), "is inf: what nobody has seen looks as what is free");
     if (!output.has_visibility() || wanted <= std::min(reach, proven)) return;
     const Value key = value_of(entry, free_required > 0 ? "free_required" : "range_max");
-    if (wanted > reach)
-      add(key, "is " + number_text(wanted) + " m, and its sources see no farther than " +
-                   printed("%.1f", reach) + " m: no beam of profile strict or safety is ever free (+inf)");
-    else if (proven > 0)
-      add(key,
-          "is " + number_text(wanted) + " m, and without return its sources prove no more than " +
-              printed("%.1f", proven) +
-              " m free, as far as they detect dark targets: in an open field no beam of profile strict "
-              "or safety is free (+inf); lower it, or set no_return_free_range if nothing dark is about");
+    add(key,
+        "is " + number_text(wanted) + " m, and " +
+            (wanted > reach
+                 ? printed("its sources see no farther than %.1f m: no beam of profile strict or safety is "
+                           "ever free (+inf)",
+                           reach)
+                 : printed("without return its sources prove no more than %.1f m free "
+                           "(no_return_free_range): in an open field no beam of profile strict or safety "
+                           "is free (+inf)",
+                           proven)));
   }
-  /// Checks that the sector between angle_min and angle_max lies in the view of its sensor.
-  void question_sector(const Value& entry, const Model* model, std::optional<double> first,
-                       std::optional<double> last) {
-    const Sector sector = sector_between(first, last);
-    if (sector.is_all()) return;
-    const Value key = value_of(entry, last ? "angle_max" : "angle_min");
-    const double width = 2 * sector.half_width * deg_per_rad;
-    if (first && last && *last < *first)
-      add(key, "is below angle_min: the sector goes counter-clockwise through straight behind and is " +
-                   printed("%.1f", width) + " deg wide");
-    if (model == nullptr || model->view <= 0 || model->view >= two_pi - 0.01) return;
-    const Sector view{0, model->view / 2};
-    int seen = 0, outside = 0;
-    constexpr int samples = 720;
-    for (int k = 0; k < samples; ++k) {
-      const double angle = two_pi * k / samples;
-      if (view.holds(angle)) ++(sector.holds(angle) ? seen : outside);
+  /// Checks that a sensor sees most of the sector between angle_min and angle_max.
+  void question_sector(const Value& entry, const SensorConfig* sensor, const Sector& sector) {
+    if (sensor == nullptr || sensor->model == nullptr || sensor->model->view <= 0) return;
+    const double end = sensor->model->view / 2;
+    int kept = 0, left_out = 0, wanted = 0;  // degrees
+    for (int deg = -180; deg < 180; ++deg) {
+      const bool is_wanted = sector.holds(deg * rad_per_deg), is_seen = std::abs(deg * rad_per_deg) <= end;
+      wanted += is_wanted ? 1 : 0;
+      if (is_seen) ++(is_wanted ? kept : left_out);
     }
-    const double kept = seen * 360.0 / samples;
-    if (outside == 0 || kept > 0.75 * width) return;
-    add(key, printed("keeps %.0f of %.0f deg: ", kept, width) + std::string(model->name) +
-                 printed(" sees %.1f to %.1f deg, and beams beyond do not exist",
-                         -view.half_width * deg_per_rad, view.half_width * deg_per_rad));
+    if (left_out == 0 || kept > 0.75 * wanted) return;
+    add(entry,
+        printed("of the %d deg between angle_min and angle_max only %d are in the view of the scanner, "
+                "%.1f to %.1f deg",
+                wanted, kept, -end * deg_per_rad, end * deg_per_rad));
   }
   bool is_merged(const std::string& topic) const {
     return std::any_of(config_.merged_scans.begin(), config_.merged_scans.end(), [&](const auto& merged) {
@@ -223,7 +216,7 @@ class Forecast {
       add(value_of(entry, "ip_address"),
           "is " + sensor.ip_address->to_string() + ", the address of no device; expected that of the sensor");
     if (sensor.pose) question(value_of(entry, "pose"), *sensor.pose);
-    question_sector(entry, sensor.model, sensor.driver.angle_min, sensor.driver.angle_max);
+    question_sector(entry, &sensor, sensor.driver.sector());
     const std::string& frame = sensor.points_frame;
     if (frame.empty() || is_placed(sensor.name, frame)) return;
     add(entry,
@@ -240,8 +233,8 @@ class Forecast {
       const auto set = merged.source_settings.find(source);
       const SourceSettings own = set == merged.source_settings.end() ? SourceSettings() : set->second;
       proven = std::max(proven, reach_of(sensor, merged.destination_frame, own.no_return_free_range));
-      question_sector(value_of(value_of(entry, "source_settings"), source),
-                      sensor == nullptr ? nullptr : sensor->model, own.angle_min, own.angle_max);
+      question_sector(value_of(value_of(entry, "source_settings"), source), sensor,
+                      sector_between(own.angle_min, own.angle_max));
     }
     question_reach(entry, merged, reach, proven, merged.free_required);
     check_merged(entry, merged, merged.laserscan_topics, !config_.vehicle.footprint.empty());
@@ -276,13 +269,12 @@ class Forecast {
     for (const auto& [frame, pose] : group.poses) question(value_of(value_of(entry, "poses"), frame), pose);
     double reach = 0, proven = 0;
     for (const std::string& lidar : lidars) {
-      const SensorConfig* sensor = config_.find_sensor(lidar);
       for (const std::string& frame : group.virtual_laser_scan) {
-        reach = std::max(reach, reach_of(sensor, frame));
-        proven = std::max(proven, reach_of(sensor, frame, group.no_return_free_range));
+        reach = std::max(reach, reach_of(config_.find_sensor(lidar), frame));
+        proven = std::max(proven, reach_of(config_.find_sensor(lidar), frame, group.no_return_free_range));
       }
     }
-    question_reach(entry, group, reach, group.no_return_free_range > 0 ? proven : 0);
+    question_reach(entry, group, reach, group.no_return_free_range > 0 ? proven : reach);
     // Of several each sees where another one is blind.
     if (lidars.size() == 1) question_origins(entry, group, *config_.find_sensor(lidars[0]));
     std::set<std::string> unplaced, unknown;

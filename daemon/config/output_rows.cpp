@@ -129,7 +129,7 @@ void check_output(Mapping& yaml, OutputScanConfig& output, Reading& reading) {
         .fail("leaves no height between min_height and max_height", "min_height < max_height");
   ScanGridSpec& grid = output.grid;
   if (grid.angle_max < grid.angle_min) {
-    grid.angle_max = grid.angle_min + 2 * sector_between(grid.angle_min, grid.angle_max).half_width;
+    grid.angle_max = sector_between(grid.angle_min, grid.angle_max).last;
     if (grid.angle_max > two_pi) grid.angle_min -= two_pi, grid.angle_max -= two_pi;
   }
   if (!grid.beams && !grid.angle_increment) {
@@ -142,7 +142,7 @@ void check_output(Mapping& yaml, OutputScanConfig& output, Reading& reading) {
 }
 
 void check_sector(const Mapping& yaml, const Sector& sector) {
-  if (sector.half_width > 0) return;
+  if (sector.width() > 0) return;
   yaml.where(yaml.has("angle_max") ? "angle_max" : "angle_min")
       .fail("is a sector of no width", "angle_min and angle_max of a sector, counter-clockwise");
 }

@@ -119,7 +119,7 @@ Rows control_rows() {
 Keys<DriverConfig> planar_rows() {
   using D = DriverConfig;
   return {angle("angle_min", &D::angle_min, -most_turn_rad, most_turn_rad,
-                "begin of the sector that is kept, counter-clockwise to angle_max; alone: to straight behind")
+                "begin of the sector that is kept, counter-clockwise to angle_max")
               .unless_set("all beams"),
           angle("angle_max", &D::angle_max, -most_turn_rad, most_turn_rad,
                 "its end; below angle_min: the sector goes through straight behind")

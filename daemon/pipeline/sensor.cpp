@@ -110,8 +110,7 @@ void Sensor::publish_scan(const OutputTopic& topic, std::optional<FrameFilter>& 
 
 PlanarScan& Sensor::in_order(PlanarScan& scan) {
   if (!config_.counter_clockwise || !(scan.angle_increment < 0)) return scan;
-  reversed_ = scan;
-  reversed_.reverse();
+  (reversed_ = scan).reverse();
   return reversed_;
 }
 
@@ -170,9 +169,7 @@ void Sensor::publish_from_device(std::string_view name, const Payload& payload) 
 
 void Sensor::message(const DeviceMessage& message) { publish_from_device(topic_of(message), message); }
 
-void Sensor::extra_scan(std::string_view name, PlanarScan& scan) {
-  publish_from_device(name, in_order(scan));
-}
+void Sensor::extra_scan(std::string_view name, PlanarScan& scan) { publish_from_device(name, scan); }
 
 void Sensor::note(std::string_view sentence) { log_info("{}: {}", config_.name, sentence); }
 

@@ -67,8 +67,10 @@ std::vector<PlanarScan> scans_of(const Model& model, const Window& window) {
   return std::move(out.scans);
 }
 
-/// A beam is inside if (b - first) mod 2 pi <= last - first; a limit that is not given lies behind.
+/// A beam is inside if (b - first) mod 2 pi <= last - first; a limit alone leaves out what lies beyond it.
 bool is_inside(double angle, const Window& window) {
+  if (!window.first) return angle <= window.last.value_or(angle);
+  if (!window.last) return angle >= *window.first;
   const double first = window.first.value_or(-pi_d), last = window.last.value_or(pi_d);
   if (last - first >= two_pi - 1e-9) return true;
   const auto turned = [](double a) { return std::fmod(std::fmod(a, two_pi) + two_pi, two_pi); };
@@ -78,7 +80,7 @@ bool is_on_limit(double angle, const Window& window, double step) {
   const auto near = [&](double limit) {
     return std::abs(std::remainder(angle - limit, two_pi)) < 0.05 * std::abs(step);
   };
-  return near(window.first.value_or(-pi_d)) || near(window.last.value_or(pi_d));
+  return (window.first && near(*window.first)) || (window.last && near(*window.last));
 }
 
 Stamp time_of(const PlanarScan& scan, std::size_t beam) {

@@ -37,9 +37,12 @@ TEST(AngleWindow, HoldsTheBeamsOfASectorOfTheCircleInTheOrderOfTheScan) {
     expect(beams_inside(sector, -pi_d, rad_per_deg, 360), one.all_round);
     expect(beams_inside(sector, -135 * rad_per_deg, rad_per_deg, 271), one.wide);
   }
-  EXPECT_EQ(sector_between(1.0, 1.0).half_width, 0);
+  EXPECT_EQ(sector_between(1.0, 1.0).width(), 0);
   EXPECT_EQ(sector_between(-1e300, 1e300).is_all(), true);
+  // A limit alone leaves out what lies before or behind it, and no beam comes round from the other side.
   EXPECT_EQ(beams_inside(sector_between({}, 0.0), 0.01, 0.01, 100).count, 0U);
+  EXPECT_EQ(beams_inside(sector_between(0.0, {}), -pi_d, rad_per_deg, 360).count, 180U);
+  EXPECT_EQ(beams_inside(sector_between({}, 0.0), pi_d, -rad_per_deg, 360).first, 180U);
 }
 
 TEST(PlanarScan, BeamsKeepTheirAnglesTimesAndEchoesInReversedOrder) {
