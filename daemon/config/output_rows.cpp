@@ -38,8 +38,7 @@ Keys<ScanGridSpec> grid_rows() {
   using G = ScanGridSpec;
   return {
       angle("angle_min", &G::angle_min, -two_pi, two_pi, "first beam"),
-      angle("angle_max", &G::angle_max, -two_pi, two_pi,
-            "last beam; below angle_min: counter-clockwise through straight behind"),
+      angle("angle_max", &G::angle_max, -two_pi, two_pi, "last beam"),
       whole("beams", &G::beams, 2, 32767, "number of beams, in place of angle_increment")
           .by_default("1440 for a full turn"),
       angle("angle_increment", &G::angle_increment, 0, pi_d, "between beams")
