@@ -102,7 +102,9 @@ std::size_t compare(const PlanarScan& all, const PlanarScan& part, const Window&
       continue;
     }
     if (!is_inside(angle, window)) {
-      if (is_there) EXPECT_EQ(part.statuses[static_cast<std::size_t>(at)], BeamStatus::invalid) << angle;
+      if (is_there) {
+        EXPECT_EQ(part.statuses[static_cast<std::size_t>(at)], BeamStatus::invalid) << angle;
+      }
       continue;
     }
     ++inside;
@@ -111,7 +113,9 @@ std::size_t compare(const PlanarScan& all, const PlanarScan& part, const Window&
     const auto here = static_cast<std::size_t>(at);
     EXPECT_NEAR(static_cast<double>(part.angle(here)), angle, 1e-4);
     EXPECT_EQ(part.statuses[here], all.statuses[beam]) << angle;
-    if (all.statuses[beam] == BeamStatus::hit) EXPECT_EQ(part.ranges[here], all.ranges[beam]) << angle;
+    if (all.statuses[beam] == BeamStatus::hit) {
+      EXPECT_EQ(part.ranges[here], all.ranges[beam]) << angle;
+    }
     EXPECT_NEAR(seconds(time_of(part, here) - time_of(all, beam)), 0, 5e-5) << angle;
     observed -= part.statuses[here] == BeamStatus::invalid ? 0U : 1U;
   }
@@ -126,7 +130,10 @@ TEST(AngleWindow, IsASectorOfTheCircleForEveryPlanarModel) {
       {{}, -1.0},    {{}, {}}};
   std::size_t tried = 0;
   for (const Model& model : models()) {
-    if (model.kind != FrameKind::scan) continue;
+    // The simulator has no 9 m type, no unnamed Hokuyo and no LRS4000.
+    const bool is_simulated =
+        model.name != "sick_microscan3_9m" && model.name != "hokuyo_scip" && model.name != "sick_lrs4000";
+    if (model.kind != FrameKind::scan || !is_simulated) continue;
     SCOPED_TRACE(std::string(model.name));
     const std::vector<PlanarScan> whole = scans_of(model, {});
     ASSERT_GE(whole.size(), 2U);
