@@ -36,7 +36,13 @@ constexpr const char* objects =
     "  - wall: {from: [-5, 3], to: [-5, -3], z: [-1, 2]}\n"
     "  - wall: {from: [-4, -3], to: [5, -5], z: [-1, 2]}\n";
 
-std::vector<PlanarScan> scans_of(const Model& model, const Window& window) {
+struct Sent {
+  sim::SimPacket packet;
+  std::vector<std::uint8_t> bytes;
+};
+
+/// What a device sends.
+std::vector<Sent> packets_of(const Model& model) {
   const std::string port = std::to_string(model.port);
   const bool tcp = model.transport == Transport::tcp;
   const sim::Scene scene = sim::parse_scene(
@@ -44,25 +50,30 @@ std::vector<PlanarScan> scans_of(const Model& model, const Window& window) {
           ", noise: 0, from: '10.0.0.1:" + port + "', to: '10.0.0.2:" + (tcp ? "40124" : port) + "'}\n" +
           objects,
       "scene");
+  std::vector<Sent> packets;
+  sim::simulate(scene, [&](const sim::SimPacket& sent) {
+    if (!sent.to_device) packets.push_back({sent, {sent.payload.begin(), sent.payload.end()}});
+    return true;
+  });
+  return packets;
+}
+
+std::vector<PlanarScan> scans_of(const Model& model, const std::vector<Sent>& packets, const Window& window) {
   DriverConfig config;
   config.model = &model;
   config.angle_min = window.first, config.angle_max = window.last;
   const auto driver = model.make(config);
   AllScans out;
-  bool begun = false;
-  sim::simulate(scene, [&](const sim::SimPacket& sent) {
-    if (sent.to_device) return true;
+  for (const Sent& sent : packets) {
     Packet packet;
-    packet.payload = sent.payload;
-    packet.arrival = sent.time;
-    packet.from = sent.from;
-    packet.to = sent.to;
+    packet.payload = {sent.bytes.data(), sent.bytes.size()};
+    packet.arrival = sent.packet.time;
+    packet.from = sent.packet.from;
+    packet.to = sent.packet.to;
     packet.transport = model.transport;
-    packet.stream_start = !begun;
-    begun = true;
+    packet.stream_start = &sent == &packets.front();
     driver->receive(packet, out);
-    return true;
-  });
+  }
   driver->finish(out);
   return std::move(out.scans);
 }
@@ -135,11 +146,12 @@ TEST(AngleWindow, IsASectorOfTheCircleForEveryPlanarModel) {
         model.name != "sick_microscan3_9m" && model.name != "hokuyo_scip" && model.name != "sick_lrs4000";
     if (model.kind != FrameKind::scan || !is_simulated) continue;
     SCOPED_TRACE(std::string(model.name));
-    const std::vector<PlanarScan> whole = scans_of(model, {});
+    const std::vector<Sent> packets = packets_of(model);
+    const std::vector<PlanarScan> whole = scans_of(model, packets, {});
     ASSERT_GE(whole.size(), 2U);
     for (const Window& window : windows) {
       SCOPED_TRACE(::testing::Message() << window.first.value_or(-99) << " to " << window.last.value_or(99));
-      const std::vector<PlanarScan> part = scans_of(model, window);
+      const std::vector<PlanarScan> part = scans_of(model, packets, window);
       if (part.empty()) {
         for (std::size_t beam = 0; beam < whole[0].beams; ++beam) {
           const auto angle = static_cast<double>(whole[0].angle(beam));
