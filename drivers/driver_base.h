@@ -2,11 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdio>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -112,25 +114,43 @@ inline BeamWindow choose_beams(const DriverConfig& config, double angle, double 
   return kept;
 }
 
+/// `fault`: the device itself is in error, and its data must not be relied on.
+enum class Severity : std::uint8_t { warning, fault };
+
+/// The sentences, each with its remedy, for what a device reports of itself, and the worst severity.
+struct SelfReport {
+  std::string text;
+  Severity severity = Severity::warning;
+
+  void add(bool is_so, Severity how_bad, std::string_view sentence) {
+    if (!is_so) return;
+    text += (text.empty() ? "" : ". ") + std::string(sentence);
+    severity = std::max(severity, how_bad);
+  }
+};
+
 /// One warning per kind of trouble, in DeviceInfo::warnings while the trouble lasts.
 template <class Kind>
 class WarningBoard {
  public:
-  explicit WarningBoard(std::vector<std::string>& shown) : shown_(shown) {}
+  explicit WarningBoard(DeviceInfo& info) : info_(info) {}
 
   /// An empty text clears the warning.
-  void set(Kind kind, std::string text) {
+  void set(Kind kind, std::string text, Severity severity = Severity::warning) {
     std::string& slot = texts_[static_cast<std::size_t>(kind)];
-    if (slot == text) return;
+    Severity& level = severities_[static_cast<std::size_t>(kind)];
+    if (slot == text && level == severity) return;
     slot = std::move(text);
+    level = severity;
     show();
   }
+  void show(Kind kind, SelfReport report) { set(kind, std::move(report.text), report.severity); }
   void clear(Kind kind) { set(kind, {}); }
   bool is_set(Kind kind) const { return !texts_[static_cast<std::size_t>(kind)].empty(); }
   /// Sets the warning (from `make_text`) when the trouble begins and clears it when the trouble ends.
   template <class MakeText>
-  void update(Kind kind, bool lasts, MakeText&& make_text) {
-    if (lasts != is_set(kind)) set(kind, lasts ? std::string(make_text()) : std::string());
+  void update(Kind kind, bool lasts, MakeText&& make_text, Severity severity = Severity::warning) {
+    if (lasts != is_set(kind)) set(kind, lasts ? std::string(make_text()) : std::string(), severity);
   }
   /// Warnings from another source, listed first.
   void lead(const std::vector<std::string>& sentences) {
@@ -140,15 +160,19 @@ class WarningBoard {
 
  private:
   void show() {
-    shown_ = lead_;
-    for (const std::string& text : texts_) {
-      if (!text.empty()) shown_.push_back(text);
+    info_.warnings = lead_;
+    info_.has_fault = false;
+    for (std::size_t i = 0; i < texts_.size(); ++i) {
+      if (texts_[i].empty()) continue;
+      info_.warnings.push_back(texts_[i]);
+      info_.has_fault = info_.has_fault || severities_[i] == Severity::fault;
     }
   }
 
-  std::vector<std::string>& shown_;
+  DeviceInfo& info_;
   std::vector<std::string> lead_;
   std::array<std::string, static_cast<std::size_t>(Kind::count_)> texts_;
+  std::array<Severity, static_cast<std::size_t>(Kind::count_)> severities_{};
 };
 
 }  // namespace lidard

@@ -116,7 +116,7 @@ std::pair<float, float> clip(double from, double slope, HeightBand band) {
 
 bool BeamRays::fits(const PlanarScan& scan, const Pose& output_from_sensor) const {
   return size() == scan.beams && angle_min == static_cast<double>(scan.angle_min) &&
-         increment == static_cast<double>(scan.angle_increment) &&
+         increment == static_cast<double>(scan.angle_increment) && wave == scan.wave &&
          pose.matrix() == output_from_sensor.matrix();
 }
 
@@ -125,6 +125,7 @@ void BeamRays::build(const PlanarScan& scan, const Pose& output_from_sensor, con
   pose = output_from_sensor;
   angle_min = static_cast<double>(scan.angle_min);
   increment = static_cast<double>(scan.angle_increment);
+  wave = scan.wave;
   for (auto* list :
        {&x, &y, &z, &level, &cosine, &sine, &own_begin, &own_end, &blocked_at, &band_begin, &band_end})
     list->clear();
@@ -134,7 +135,7 @@ void BeamRays::build(const PlanarScan& scan, const Pose& output_from_sensor, con
   const Footprint body = footprint.padded(-graze_m);
   const Footprint margin = footprint.padded(Footprint::margin_m);
   for (std::size_t i = 0; i < scan.beams; ++i) {
-    add_beam(angle_min + static_cast<double>(i) * increment, body, margin, band);
+    add_beam(wave.bent(angle_min + static_cast<double>(i) * increment), body, margin, band);
   }
 }
 

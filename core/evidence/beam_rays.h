@@ -68,6 +68,7 @@ class BeamRays {
   Pose pose = Pose::Identity();            ///< output_from_sensor
   double angle_min = 0;                    ///< rad, sensor frame
   double increment = 0;                    ///< rad
+  AngleWave wave;                          ///< of the beams
   std::vector<Eigen::Vector3d> direction;  ///< in the output frame, per m of range
   std::vector<float> x, y, z;              ///< the components of `direction`
   std::vector<float> level;                ///< m in the output's plane per m of range

@@ -67,7 +67,7 @@ void PlanarScan::reverse() {
 void PlanarScan::set_angles(float first, float increment) {
   angle_min = first;
   angle_increment = increment;
-  angle_max = beams == 0 ? first : angle(beams - 1);
+  angle_max = beams == 0 ? first : even_angle(beams - 1);
 }
 
 namespace {
@@ -92,7 +92,7 @@ const char* violation(const PlanarScan& scan) {
   if (!scan.flags.empty() && scan.flags.size() != scan.beams) return "number of flags is not that of beams";
   if (!std::isfinite(scan.angle_min) || !std::isfinite(scan.angle_increment)) return "angles are not finite";
   if (scan.angle_increment == 0 && scan.beams > 1) return "angle_increment is 0";
-  if (scan.angle_max != scan.angle(scan.beams - 1)) return "angle_max is not that of the last beam";
+  if (scan.angle_max != scan.even_angle(scan.beams - 1)) return "angle_max is not that of the last beam";
   if (!(scan.range_min >= 0 && scan.range_max > scan.range_min)) return "range limits are not 0 <= min < max";
   for (std::size_t i = 0; i < n; ++i) {
     if (!beam_is_consistent(scan, i)) return "a range does not fit its status";

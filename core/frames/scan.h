@@ -37,13 +37,24 @@ const char* to_string(BeamStatus status);
 /// The range that REP 117 prescribes for a beam without a measurement: +inf, -inf or NaN.
 float range_without_hit(BeamStatus status);
 
+/// How the beams of a scanner deviate from even angles: a mirror that turns unevenly. The beam of the even
+/// angle a points at a + amplitude * sin(a + phase); rad.
+struct AngleWave {
+  double amplitude = 0, phase = 0;
+
+  double bent(double even) const { return amplitude == 0 ? even : even + amplitude * std::sin(even + phase); }
+  friend bool operator==(const AngleWave& a, const AngleWave& b) {
+    return a.amplitude == b.amplitude && a.phase == b.phase;
+  }
+};
+
 /// One sweep of a single-plane scanner (or a merged or virtual scan), in its own frame: x ahead, angles in
 /// rad counter-clockwise from x (REP 103).
 ///
-/// Invariants, tested by `violation()`: beam i points at angle_min + i * angle_increment; angle_max is that
-/// of the last beam, computed in float; stamp is the first ray's time; a hit lies inside [range_min,
-/// range_max], every other beam holds `range_without_hit()` of its status. The number of beams stays constant
-/// for the life of a source.
+/// Invariants, tested by `violation()`: beam i points at the even angle angle_min + i * angle_increment, bent
+/// by `wave`; angle_max is the even angle of the last beam, computed in float; stamp is the first ray's time;
+/// a hit lies inside [range_min, range_max], every other beam holds `range_without_hit()` of its status. The
+/// number of beams stays constant for the life of a source.
 struct PlanarScan {
   std::string frame_id;
   Stamp stamp;                ///< first ray
@@ -65,13 +76,19 @@ struct PlanarScan {
   std::vector<float> intensities;    ///< device units; empty, or as long as ranges
   std::vector<BeamStatus> statuses;  ///< as long as ranges
   /// m per beam: nearer than that nothing was observed, though what lies beyond was; empty: 0 everywhere.
-  /// Only virtual scans have it.
+  /// Virtual scans have it, and scans without their first echo.
   std::vector<float> free_from;
+  /// Messages cannot express it: they have the even angles.
+  AngleWave wave;
   /// Flags of the device for each beam (sick::ms3_beam); empty: nothing beyond the status.
   std::vector<std::uint8_t> flags;
 
   std::size_t index(std::size_t beam, std::size_t echo = 0) const { return echo * beams + beam; }
-  float angle(std::size_t beam) const { return angle_min + static_cast<float>(beam) * angle_increment; }
+  float even_angle(std::size_t beam) const { return angle_min + static_cast<float>(beam) * angle_increment; }
+  /// Where the beam points, rad.
+  float angle(std::size_t beam) const {
+    return static_cast<float>(wave.bent(static_cast<double>(even_angle(beam))));
+  }
 
   /// Sets the number of beams and echoes and makes every beam `invalid`. Allocates only when the size grows.
   void reset(std::size_t beam_count, std::size_t echo_count = 1, bool with_intensities = true);

@@ -78,7 +78,7 @@ bool StillScans::add(const PlanarScan& scan) {
     return false;
   ++frames_;
   for (std::size_t i = 0; i < scan.beams; ++i) {
-    const double angle = angle_min_ + step_ * static_cast<double>(i);
+    const double angle = scan.wave.bent(angle_min_ + step_ * static_cast<double>(i));
     if (scan.statuses[i] == BeamStatus::hit)
       rings_[0][i].add(scan.ranges[i],
                        {static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle)), 0});

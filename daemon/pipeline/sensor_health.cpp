@@ -81,6 +81,8 @@ void judge_data(const SensorConfig& config, const SensorReport& report, Diagnost
   const Counters& c = report.counters;
   const FrameKind kind = config.model != nullptr ? config.model->kind : FrameKind::scan;
   const ReceptionVerdict verdict = lidard::judge(report.recent, kind);
+  const Health says =
+      report.info.has_fault ? Health::error : Health::warn;  // what the device's warnings mean
   if (std::string rivals = rivals_text(report.recent, config.ip_port); !rivals.empty()) {
     item.set(Health::error, std::move(rivals));
   } else if (!report.other_model.empty() && is_all_refused(report.recent.counters)) {
@@ -92,8 +94,9 @@ void judge_data(const SensorConfig& config, const SensorReport& report, Diagnost
     item.set(verdict.health,
              verdict.figures + " in the last " + window_text(report.recent) + "; " + verdict.remedy);
     if (!report.info.warnings.empty()) item.message += ". The device says: " + warnings_of(report);
+    item.health = std::max(item.health, says);
   } else if (!report.info.warnings.empty()) {
-    item.set(Health::warn, warnings_of(report));
+    item.set(says, warnings_of(report));
   } else if (!report.filter_trouble.empty()) {
     item.set(Health::warn, report.filter_trouble);
   } else if (config.model != nullptr && c.frames == 0) {

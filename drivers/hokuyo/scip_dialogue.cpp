@@ -146,7 +146,7 @@ void ScipDialogue::follow_stream(const ScipMessage& message, DriverOutput& out) 
       patience_.start(now_, verifying_patience);
       return;
     case StatusClass::fault:
-      board_.set(ScipTrouble::fault, explain_status(message.command(), message.status));
+      board_.set(ScipTrouble::fault, explain_status(message.command(), message.status), Severity::fault);
       return wait(before_next_try);
     case StatusClass::unknown:
       return ask_for_less(message, out);

@@ -305,7 +305,7 @@ class ScipDriver final : public DriverBase, private ScipDialogue::Owner {
   }
 
   const ScipRow& row_;
-  WarningBoard<ScipTrouble> board_{info_.warnings};
+  WarningBoard<ScipTrouble> board_{info_};
   ScipReader reader_{counters_};
   ScipDialogue dialogue_;
   ScipClock clock_;

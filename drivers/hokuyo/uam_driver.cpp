@@ -269,15 +269,18 @@ class UamDriver final : public DriverBase {
   }
 
   void note_troubles() {
-    const auto update = [this](Trouble trouble, bool active, const char* text) {
-      board_.update(trouble, active, [text] { return text; });
+    const auto update = [this](Trouble trouble, bool active, const char* text,
+                               Severity severity = Severity::warning) {
+      board_.update(
+          trouble, active, [text] { return text; }, severity);
     };
     update(Trouble::error, status_.error_state != 0 || status_.error_code != 0,
            "the scanner reports an error and switches its outputs off; its display shows the number (topic "
-           "status, error_code): look it up in the manual");
-    update(
-        Trouble::lockout, status_.lockout != 0,
-        "the scanner is locked out; remove the cause shown on its display and switch its power off and on");
+           "status, error_code): look it up in the manual",
+           Severity::fault);
+    update(Trouble::lockout, status_.lockout != 0,
+           "the scanner is locked out; remove the cause shown on its display and switch its power off and on",
+           Severity::fault);
     update(Trouble::laser_off, status_.laser_off != 0,
            "the scanner's laser is off, beams are invalid; wait until it has started, or wake it up");
     update(Trouble::contaminated, status_.contaminated != 0, "the scanner's window is dirty; clean it");
@@ -294,7 +297,7 @@ class UamDriver final : public DriverBase {
   }
 
   const UamRow& row_;
-  WarningBoard<Trouble> board_{info_.warnings};
+  WarningBoard<Trouble> board_{info_};
   UamReader reader_{counters_};
   Step step_ = Step::idle;
   Patience patience_;

@@ -260,7 +260,7 @@ Model spinning(const char* name, const char* product, const ModelRow& row, doubl
   constexpr double default_rpm = 600;
   const std::size_t most_echoes = row.banks == 2 ? 1 : 2;
   Model model{name, "Velodyne", product, "Velodyne data packet", verified, FrameKind::cloud};
-  model.port = 2368;
+  model.port = usual_data_port;
   model.packets_per_s = 1 / seconds(row.packet_period(row.timings.front(), most_echoes));
   model.frame_period = 60 / default_rpm;
   model.range_min = 0.4;  // nearer returns are from the housing or the mounting (launch files of ros-drivers)
@@ -283,7 +283,7 @@ Model spinning(const char* name, const char* product, const ModelRow& row, doubl
 Model connected(const char* name, const char* product, const ModelRow& row, double range_max,
                 const char* verified) {
   Model model = spinning(name, product, row, range_max, verified);
-  model.telemetry_port = 8308;
+  model.telemetry_port = usual_telemetry_port;
   model.dialogue_port = 80;
   model.traits.add({Trait::gnss, Trait::web_control});
   model.messages = {message_topic<GnssFix>(), message_topic<TimeReference>()};

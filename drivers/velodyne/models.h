@@ -33,6 +33,9 @@ struct Timing {
   Span before{0};                ///< the first firing is this long before the packet's stamp
 };
 
+/// Destination ports of the factory setting: VLP-16 user manual 63-9243 Rev D, section 9.
+constexpr std::uint16_t usual_data_port = 2368, usual_telemetry_port = 8308;
+
 /// The properties of a model's data packet: its lasers and their firing times.
 struct ModelRow {
   std::string_view product;

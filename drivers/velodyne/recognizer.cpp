@@ -7,6 +7,7 @@
 #include "drivers/velodyne/models.h"
 #include "drivers/velodyne/packet.h"
 #include "drivers/velodyne/packet_order.h"
+#include "drivers/velodyne/telemetry.h"
 
 namespace lidard::velodyne {
 namespace {
@@ -18,6 +19,12 @@ constexpr std::uint64_t enough_quiet_cycles = 5;
 
 bool is_within_percent(Span a, Span b, int percent) {
   return a * 100 < b * (100 + percent) && a * 100 > b * (100 - percent);
+}
+
+/// True for telemetry: sent to its usual port, or with a sentence of a satellite receiver.
+bool is_telemetry(const Packet& packet) {
+  const auto telemetry = read_telemetry(packet.payload);
+  return telemetry && (packet.to.port == usual_telemetry_port || telemetry->nmea.substr(0, 2) == "$G");
 }
 
 /// Adds the products of a row: a Puck LITE has the row of a VLP-16.
@@ -40,6 +47,7 @@ class VelodyneRecognizer final : public Recognizer {
     if (received.transport != Transport::udp) return;
     const ByteView payload = received.payload;
     const ModelRow* family = family_of(payload);
+    telemetry_ += is_telemetry(received) ? 1U : 0U;
     if (family == nullptr) return;
     const DataPacket packet(payload);
     if (packets_ > 0 && step_count_ < steps_.size()) {
@@ -68,6 +76,11 @@ class VelodyneRecognizer final : public Recognizer {
 
   /// Reports a product that is not supported, or whose packet period is another model's.
   std::string remark() const override {
+    if (packets_ == 0 && telemetry_ > 0)
+      return "telemetry of a Velodyne, but none of its data; check that its laser and motor are on and that "
+             "it "
+             "sends data to port " +
+             std::to_string(usual_data_port) + " of the same host";
     if (packets_ == 0) return {};
     const auto rows = possible_rows();
     if (rows.empty()) return "Velodyne packets of a " + product_name(product_) + ", which is not supported";
@@ -152,6 +165,7 @@ class VelodyneRecognizer final : public Recognizer {
   }
 
   std::uint64_t packets_ = 0;
+  std::uint64_t telemetry_ = 0;
   std::uint64_t dual_packets_ = 0;
   std::uint8_t product_ = 0;
   const ModelRow* family_ = nullptr;

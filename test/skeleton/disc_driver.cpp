@@ -34,7 +34,7 @@ class DiscDriver final : public DriverBase {
   void place_beams(ByteView bytes, std::size_t part);
   void publish(DriverOutput& out);
 
-  WarningBoard<Warning> board_{info_.warnings};
+  WarningBoard<Warning> board_{info_};
   DeviceClock clock_;
   SteadyStamps stamps_;
   PlanarScan scan_;

@@ -19,7 +19,9 @@ constexpr Span first_scan_patience = std::chrono::seconds(4);
 constexpr Span least_stream_patience = std::chrono::seconds(1);
 
 constexpr std::string_view settings_read = "sRN LMDscandatacfg", settings_write = "sWN LMDscandatacfg",
-                           subscription = "sEN LMDscandata";
+                           subscription = "sEN LMDscandata", contamination_read = "sRN LCMstate";
+/// Between two questions beside the stream.
+constexpr Span contamination_period = std::chrono::seconds(10);
 
 constexpr const char* no_scans =
     "the device accepts 'sEN LMDscandata 1' but sends no scans: its measurement is switched off, or another "
@@ -88,7 +90,8 @@ unsigned first_number(const ColaTelegram& telegram) {
 
 void ColaDialogue::connected(Stamp now, DriverOutput& out) {
   patience_ = {};
-  answered_ = scans_ = logged_in_ = false;
+  answered_ = scans_ = logged_in_ = contamination_refused_ = false;
+  contamination_asked_ = {};
   settings_.reset();
   wanted_.reset();
   found_.clear();
@@ -116,6 +119,9 @@ void ColaDialogue::script(DriverOutput& out) {
       if (was_done()) note_written(out);
       yield ask(sopas_run, out);
       if (was_done()) logged_in_ = false;
+    }
+    if (row_.compensation != AngleCompensation::none) {
+      yield ask("sRN MCAngleCompSin", Answer::dispensable, out);
     }
     if (requests.device_states) {
       yield ask("sEN LFErec", out);
@@ -181,6 +187,7 @@ void ColaDialogue::send_question(DriverOutput& out) {
 }
 
 void ColaDialogue::receive(const ColaTelegram& telegram, Stamp now, DriverOutput& out) {
+  contamination_refused_ = contamination_refused_ || (phase_ == Phase::streaming && telegram.kind() == "sFA");
   if (phase_ != Phase::asking) return;  // the device stops streaming during the questions
   now_ = now;
   if (patience_.is_slow()) patience_.start_answer(now, patience);
@@ -306,6 +313,11 @@ void ColaDialogue::scan_came(ColaDialect dialect, Stamp now) {
 
 void ColaDialogue::tick(Stamp now, DriverOutput& out) {
   now_ = now;
+  if (phase_ == Phase::streaming && row_.reports_contamination && !contamination_refused_ &&
+      std::chrono::abs(now - contamination_asked_) >= contamination_period) {
+    contamination_asked_ = now;
+    send(session_.ask(contamination_read).finish(), out);
+  }
   if (phase_ == Phase::idle || !patience_.is_over(now)) return;
   if (phase_ == Phase::waiting_for_scan || phase_ == Phase::streaming) {
     warn(phase_ == Phase::streaming ? scans_stopped : no_scans);

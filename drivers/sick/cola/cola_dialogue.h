@@ -32,9 +32,10 @@ struct ColaOutputs {
   }
 };
 
-/// Starts a device's stream of scans: reads DeviceIdent, LMPoutputRange and LMDscandatacfg, then subscribes
-/// to InertialMeasurementUnit (models that have one) and LMDscandata. Settings are written only if they
-/// differ from the configuration and writing is allowed.
+/// Starts a device's stream of scans: reads DeviceIdent, LMPoutputRange, LMDscandatacfg and, from a NAV,
+/// MCAngleCompSin, then subscribes to InertialMeasurementUnit (models that have one) and LMDscandata; beside
+/// the stream it reads LCMstate (models that have it). Settings are written only if they differ from the
+/// configuration and writing is allowed.
 class ColaDialogue final : public Dialogue {
  public:
   ColaDialogue(const DriverConfig& config, const ColaRow& row)
@@ -86,6 +87,8 @@ class ColaDialogue final : public Dialogue {
   const ColaTelegram* answer_ = nullptr;  // to the last question; nullptr: no answer
   bool refused_ = false;                  // the last answer was a refusal
   bool logged_in_ = false;
+  bool contamination_refused_ = false;
+  Stamp contamination_asked_{};
   std::optional<ColaOutputs> settings_, wanted_;
   std::vector<std::string> found_;  // warnings of this attempt
 };

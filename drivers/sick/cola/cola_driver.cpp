@@ -2,11 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <string>
 
+#include "core/base/number_text.h"
 #include "core/base/time.h"
 #include "drivers/driver_base.h"
 #include "drivers/sick/cola/cola_dialogue.h"
 #include "drivers/sick/cola/cola_frames.h"
 #include "drivers/sick/cola/cola_models.h"
+#include "drivers/sick/cola/cola_names.h"
 #include "drivers/sick/cola/cola_scan.h"
 
 namespace lidard::sick {
@@ -16,46 +18,16 @@ namespace {
 constexpr double loss_without_time = 1000;
 
 enum class Warning : std::uint8_t {
-  status,
+  state,
   geometry,
   no_beams_left,
   no_distances,
+  later_echo,
+  raw_angles,
   layer,
   other_device,
   count_
 };
-
-/// "output_1" ..., with static storage.
-template <std::size_t Count>
-class Names {
- public:
-  Names(const char* before, const char* after) {
-    for (std::size_t i = 0; i < Count; ++i) texts_[i] = before + std::to_string(i + 1) + after;
-  }
-  std::string_view operator[](std::size_t i) const { return texts_.at(i); }
-
- private:
-  std::array<std::string, Count> texts_;
-};
-
-std::string_view field_name(std::uint8_t number) {
-  static const Names<256> names("field_", "");
-  return names[number == 0 ? 255 : number - 1U];
-}
-
-std::string_view pin_name(bool output, bool count, std::size_t i) {
-  static const Names<ColaPins::most> outputs("output_", "");
-  static const Names<ColaPins::most> counts("output_", "_count");
-  static const Names<ColaPins::most> inputs("input_", "");
-  if (!output) return inputs[i];
-  return count ? counts[i] : outputs[i];
-}
-
-std::string_view encoder_name(bool speed, std::size_t i) {
-  static const Names<ColaScan::most_encoders> positions("position_", "");
-  static const Names<ColaScan::most_encoders> speeds("speed_", "");
-  return speed ? speeds[i] : positions[i];
-}
 
 /// Publishes the device's messages beside its scans as states on topics of their own: `lferec` (field_1 ...:
 /// 0 invalid, 1 free, 2 infringed), `lidoutputstate` (output_1 ..., output_1_count ...), `lidinputstate`
@@ -163,7 +135,7 @@ class ColaDriver final : public DriverBase {
 
   Verdict receive(const Packet& packet, DriverOutput& out) override {
     if (packet.stream_start) {
-      counting_ = plain_scans_ = false;
+      counting_ = plain_scans_ = compensation_is_new_ = false;
       clock_.restart();
       cloud_builder_.finish(out);
     }
@@ -175,7 +147,7 @@ class ColaDriver final : public DriverBase {
 
   void connected(Stamp now, DriverOutput& out) override {
     stream_.interrupt();
-    counting_ = false;
+    counting_ = compensation_is_new_ = false;
     dialogue_.connected(now, out);
     show_info();
   }
@@ -212,7 +184,29 @@ class ColaDriver final : public DriverBase {
     }
     ++counters_.other_packets;
     if (telegram.kind() != "sSN") dialogue_.receive(telegram, arrival, out);
-    return {false, states_.read(telegram, arrival, clock_, out)};
+    const Reject reason = telegram.kind() == "sRA" ? read_answer(telegram) : Reject::none;
+    return {false, reason != Reject::none ? reason : states_.read(telegram, arrival, clock_, out)};
+  }
+
+  /// Uses an answer about the device, also one to another client in a capture.
+  Reject read_answer(const ColaTelegram& telegram) {
+    if (telegram.name() == contamination_state)
+      contamination_ = read_arguments(telegram, [](auto in) { return in.u8(); });
+    if (telegram.name() != angle_compensation || row_.compensation == AngleCompensation::none)
+      return Reject::none;
+    ColaAngleCompensation read;
+    const Reject reason = parse_cola_compensation(telegram, row_.compensation, read);
+    if (reason != Reject::none) return reason;
+    compensation_ = read;
+    compensation_is_new_ = true;
+    compensate();
+    return Reject::none;
+  }
+
+  void compensate() {
+    scan_builder_.compensate(compensation_.value_or(ColaAngleCompensation()));
+    if (has_geometry_) has_beams_ = scan_builder_.choose(geometry_);
+    show_info();
   }
 
   /// True for a scan; LMDscandatamon is ignored if the device also sends LMDscandata, which it repeats.
@@ -229,15 +223,17 @@ class ColaDriver final : public DriverBase {
     if (reason != Reject::none) return reason;
     if (!device_known_ || dialect_ != telegram.dialect || serial_ != scan_.serial || name_ != scan_.name()) {
       dialect_ = telegram.dialect;
+      if (!device_known_ && !row_.remark.empty()) out.note(row_.remark);
       follow_device();
     }
-    board_.update(Warning::status, scan_.status[0] != 0 || scan_.status[1] != 0, [&] {
-      return "the device reports status " + std::to_string(scan_.status[0]) + " " +
-             std::to_string(scan_.status[1]) +
-             " instead of 0 0: a fault or a dirty window; check it with SOPAS ET";
-    });
+    note_status(arrival);
     reason = apply_geometry();
     if (reason != Reject::none) return reason;
+    board_.update(Warning::raw_angles, row_.compensation != AngleCompensation::none && !compensation_, [] {
+      return "the scanner's angles are raw, 0.2 degrees wrong at worst: its answer to 'sRN MCAngleCompSin' "
+             "is "
+             "missing; record the connection from its beginning, or update the scanner's firmware";
+    });
     const Span rest = row_.stamp == ColaStamp::last_beam ? Span(0) : geometry_.sweep();
     const Span start = clock_.observe(scan_.start_us, scan_.transmit_us, rest, arrival);
     counters_.clock_steps = clock_.steps();
@@ -256,11 +252,23 @@ class ColaDriver final : public DriverBase {
     return known ? Reject::none : Reject::model;
   }
 
+  void note_status(Stamp arrival) {
+    constexpr Span start_up = std::chrono::seconds(10);  // an LMS111 starts with 7 scans without laser
+    std::uint32_t bits = scan_.status[0] * 0x100U + scan_.status[1];
+    if (contamination_ > 0) bits |= contamination_ == 1 ? cola_status::contaminated : cola_status::blind;
+    if (scan_.status[0] != 1 || laser_on_ == Stamp()) laser_on_ = arrival;
+    if (scan_.status[0] == 1 && std::chrono::abs(arrival - laser_on_) < start_up)
+      bits &= ~cola_status::laser_off;
+    if (std::exchange(status_, bits) != bits) board_.show(Warning::state, cola_self_report(bits));
+  }
+
   void follow_device() {
     const std::uint32_t before = serial_;
     if (device_known_ && before != scan_.serial) {
       clock_.reset();
       counting_ = false;
+      // The answer of the former scanner.
+      if (!compensation_is_new_) compensation_.reset(), compensate();
       board_.set(Warning::other_device, "scanner " + std::to_string(before) + " was replaced by scanner " +
                                             std::to_string(scan_.serial) + "; check its pose and its fields");
     }
@@ -293,8 +301,13 @@ class ColaDriver final : public DriverBase {
   Reject apply_geometry() {
     ColaGeometry now;
     const bool good = read_geometry(scan_, row_, now);
-    board_.update(Warning::no_distances, !good && scan_.channel("DIST1") == nullptr, [] {
+    board_.update(Warning::no_distances, !good && scan_.echo_count() == 0, [] {
       return "the device sends scans without distances; switch the channel DIST1 on (LMDscandatacfg)";
+    });
+    board_.update(Warning::later_echo, good && scan_.echo(0) != 0, [&] {
+      return "the device sends " + std::string(distance_names.at(scan_.echo(0))) +
+             " without the first echo: nearer objects are unseen and nothing is free; switch DIST1 on "
+             "(LMDscandatacfg)";
     });
     if (!good) return Reject::field;
     if (has_geometry_ && now == geometry_) return Reject::none;
@@ -336,12 +349,17 @@ class ColaDriver final : public DriverBase {
     clear_details();
     info_.set("Dialect", dialect_ == ColaDialect::a ? "CoLa A" : "CoLa B");
     if (!name_.empty()) info_.set("Device name", name_);
+    if (!row_.remark.empty()) info_.set("Remark", row_.remark);
+    if (compensation_)
+      info_.set("Angle compensation (deg)",
+                printed("amplitude %.4f, phase %.4f, offset %.4f", compensation_->amplitude_deg,
+                        compensation_->phase_deg, compensation_->offset_deg));
     for (const auto& each : dialogue_.info().details) info_.details.push_back(each);
     board_.lead(dialogue_.info().warnings);
   }
 
   const ColaRow& row_;
-  WarningBoard<Warning> board_{info_.warnings};
+  WarningBoard<Warning> board_{info_};
   ColaStream stream_;
   ColaClock clock_;
   ColaScan scan_;
@@ -351,6 +369,11 @@ class ColaDriver final : public DriverBase {
   ColaCloudBuilder cloud_builder_;
   ColaStates states_;
   ColaDialogue dialogue_;
+  std::uint8_t contamination_ = 0;  // SICK 8013796 p. 86: 1 warning, 2 error, 3 serious error
+  std::uint32_t status_ = 0;        // shown
+  Stamp laser_on_;                  // the last scan with the laser on
+  std::optional<ColaAngleCompensation> compensation_;
+  bool compensation_is_new_ = false;  // of this connection
 
   bool device_known_ = false;
   std::uint32_t serial_ = 0;

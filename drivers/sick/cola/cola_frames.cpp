@@ -63,7 +63,7 @@ bool operator==(const ColaGeometry& a, const ColaGeometry& b) {
 }
 
 bool read_geometry(const ColaScan& scan, const ColaRow& row, ColaGeometry& geometry) {
-  const ColaChannel* first = scan.channel("DIST1");
+  const ColaChannel* const first = scan.echo_count() > 0 ? &scan.distance(0) : nullptr;
   if (first == nullptr || first->values.empty() || !(first->step_deg > 0)) return false;
   geometry.beams = first->values.size();
   geometry.echoes = scan.echo_count();
@@ -74,9 +74,9 @@ bool read_geometry(const ColaScan& scan, const ColaRow& row, ColaGeometry& geome
   constexpr double full_turn = 360.5;
   if (geometry.step_deg * static_cast<double>(geometry.beams - 1) > full_turn) return false;
   for (std::size_t i = 1; i < geometry.echoes; ++i) {
-    const ColaChannel* other = scan.channel(distance_names[i]);
-    if (other->values.size() != geometry.beams || other->start_deg != first->start_deg ||
-        other->step_deg != first->step_deg)
+    const ColaChannel& other = scan.distance(i);
+    if (other.values.size() != geometry.beams || other.start_deg != first->start_deg ||
+        other.step_deg != first->step_deg)
       return false;
   }
   return true;
@@ -97,11 +97,21 @@ ColaScanBuilder::ColaScanBuilder(const DriverConfig& config, const ColaRow& row)
   prepare_scan(config, scan_);
 }
 
+/// Converts the formulas of AngleCompensation to angles r of the ROS frame. With the shift s,
+/// a = r - s of a device that counts like ROS (`subtracted`), and a = -r - s of one that counts clockwise
+/// (`added`); with e = r - O both are e +- A sin(e + O +- s + P).
+void ColaScanBuilder::compensate(const ColaAngleCompensation& compensation) {
+  const double sign = row_.mirrored ? 1 : -1;
+  offset_ = compensation.offset_deg * rad_per_deg;
+  scan_.wave.amplitude = sign * compensation.amplitude_deg * rad_per_deg;
+  scan_.wave.phase = offset_ + (sign * row_.shift_deg + compensation.phase_deg) * rad_per_deg;
+}
+
 bool ColaScanBuilder::choose(const ColaGeometry& geometry) {
-  const double start = geometry.angle(row_, 0);
-  window_ = beams_inside(config_.sector(), start, geometry.angle(row_, 1) - start, geometry.beams);
-  const double first = geometry.angle(row_, static_cast<double>(window_.first));
-  const double next = geometry.angle(row_, static_cast<double>(window_.first) + 1);
+  const double start = geometry.angle(row_, 0) - offset_;
+  window_ = beams_inside(config_.sector(), start, geometry.angle(row_, 1) - offset_ - start, geometry.beams);
+  const double first = geometry.angle(row_, static_cast<double>(window_.first)) - offset_;
+  const double next = geometry.angle(row_, static_cast<double>(window_.first) + 1) - offset_;
   echoes_ = config_.publish_multiecho ? geometry.echoes : 1;
   scan_.beams = window_.count;
   scan_.set_angles(static_cast<float>(first), static_cast<float>(next - first));
@@ -113,13 +123,16 @@ bool ColaScanBuilder::choose(const ColaGeometry& geometry) {
 PlanarScan& ColaScanBuilder::fill(const ColaScan& telegram) {
   const ColaChannel* rssi = telegram.intensity(0);
   scan_.reset(scan_.beams, echoes_, config_.publish_intensity && rssi != nullptr);
+  // The way to a later echo leads through the first one, wherever that is.
+  if (telegram.echo(0) != 0) scan_.free_from.assign(scan_.beams, scan_.range_max);
   for (std::size_t echo = 0; echo < echoes_; ++echo) fill_echo(telegram, echo);
   scan_.hide_gap(window_);
   return scan_;
 }
 
 void ColaScanBuilder::fill_echo(const ColaScan& telegram, std::size_t echo) {
-  const ColaChannel& distance = *telegram.channel(distance_names[echo]);
+  const ColaChannel& distance = telegram.distance(echo);
+  const bool without_first = telegram.echo(0) != 0;
   const ColaChannel* rssi = scan_.intensities.empty() ? nullptr : telegram.intensity(echo);
   if (rssi != nullptr && rssi->values.size() != distance.values.size()) rssi = nullptr;
   constexpr double metres = 1e-3;
@@ -131,7 +144,7 @@ void ColaScanBuilder::fill_echo(const ColaScan& telegram, std::size_t echo) {
     if (status == BeamStatus::hit)
       scan_.set_measured(at, static_cast<float>(distance.value(from) * metres));
     else
-      scan_.set_without_hit(at, status);
+      scan_.set_without_hit(at, without_first ? BeamStatus::invalid : status);
   }
 }
 
@@ -228,6 +241,9 @@ void ColaCloudBuilder::append(const ColaScan& telegram, std::size_t ring, Span f
                               const ColaClock& clock) {
   const ColaChannel* correction = telegram.channel("ANGL1");
   if (correction != nullptr && correction->values.size() != geometry_.beams) correction = nullptr;
+  std::array<std::pair<const ColaChannel*, const ColaChannel*>, distance_names.size()> echoes{};
+  for (std::size_t echo = 0; echo < geometry_.echoes; ++echo)
+    echoes.at(echo) = {&telegram.distance(echo), telegram.intensity(echo)};
   const Stamp begin_stamp = clock.to_host(first) + config_.time_offset;
   for (std::size_t beam = 0; beam < geometry_.beams; ++beam) {
     const Span after = span_from_seconds(geometry_.beam_period * static_cast<double>(beam));
@@ -243,7 +259,7 @@ void ColaCloudBuilder::append(const ColaScan& telegram, std::size_t ring, Span f
       cloud_.columns.push_back({static_cast<std::uint32_t>(cloud_.size()), packet_, 0,
                                 static_cast<std::uint8_t>(echo),
                                 static_cast<float>(azimuth_deg * rad_per_deg), fired});
-      append_return(*telegram.channel(distance_names[echo]), telegram.intensity(echo), beam, azimuth_deg,
+      append_return(*echoes[echo].first, echoes[echo].second, beam, azimuth_deg,
                     static_cast<std::uint16_t>(ring), fired);
       // Second and third echoes are rare: drop their columns without a point.
       if (echo > 0 && cloud_.columns.back().first_point == cloud_.size()) cloud_.columns.pop_back();

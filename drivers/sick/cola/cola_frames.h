@@ -56,6 +56,8 @@ class ColaScanBuilder {
  public:
   ColaScanBuilder(const DriverConfig& config, const ColaRow& row);
 
+  /// Sets how far the device's angles deviate, for the next choose().
+  void compensate(const ColaAngleCompensation& compensation);
   /// Chooses the beams between the configured angles. False: none.
   bool choose(const ColaGeometry& geometry);
   /// The telegram's beam that is the first one of the scan.
@@ -70,6 +72,7 @@ class ColaScanBuilder {
   const ColaRow& row_;
   BeamWindow window_;
   std::size_t echoes_ = 1;
+  double offset_ = 0;  // rad, of the device's compensation
   PlanarScan scan_;
 };
 

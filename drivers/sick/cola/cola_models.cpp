@@ -25,13 +25,18 @@ constexpr std::uint32_t tim7xxs_password = 0x6FD62C05;
 // sweep lasts 61 ms: the first beam. LMS511: 40 ms, sweep 21 ms: assumed: the first beam. All others are
 // unverified, as is the error within a turn.
 constexpr ColaRow row(double shift_deg, bool mirrored, ColaStamp stamp, std::uint8_t echoes = 1,
-                      std::uint32_t password = usual_password) {
-  return {shift_deg, mirrored, stamp, 1, authorized_client, password, false, echoes};
+                      std::uint32_t password = usual_password,
+                      AngleCompensation compensation = AngleCompensation::none, bool contamination = false,
+                      std::string_view remark = {}) {
+  return {shift_deg, mirrored,     stamp,         1,     authorized_client, password, false, echoes,
+          false,     compensation, contamination, remark};
 }
 // Echoes: a few LMS1xx configurations in public use 1, 2 or 3; all five of the LMS5xx: SICK 8014631.
 constexpr std::uint8_t two_echoes = 0x03, three_echoes = 0x07, five_echoes = 0x1f;
-constexpr ColaRow lms1xx = row(-90, false, ColaStamp::last_beam, two_echoes);
-constexpr ColaRow lms5xx = row(-90, false, ColaStamp::first_beam, five_echoes);
+constexpr ColaRow lms1xx =
+    row(-90, false, ColaStamp::last_beam, two_echoes, usual_password, AngleCompensation::none, true);
+constexpr ColaRow lms5xx =
+    row(-90, false, ColaStamp::first_beam, five_echoes, usual_password, AngleCompensation::none, true);
 // SICK 8023202 (LMS4400 and LMS4500) p. 56: 0 also stands for too near, too dark, or removed by a filter.
 constexpr ColaRow lms4000 = {-90, false, ColaStamp::first_beam, 1, authorized_client, usual_password, false,
                              1,   true};
@@ -39,12 +44,17 @@ constexpr ColaRow tim240 = row(0, false, ColaStamp::last_beam);
 constexpr ColaRow tim = row(-90, false, ColaStamp::last_beam);
 constexpr ColaRow tim7xxs = row(-90, false, ColaStamp::last_beam, 1, tim7xxs_password);
 constexpr ColaRow lrs36x1 = row(-180, false, ColaStamp::first_beam);
-// README of sick_scan_xd: 90 deg less; its parser: 0.
-constexpr ColaRow nav2xx = row(0, false, ColaStamp::first_beam);
+// README and angle compensation of sick_scan_xd: 90 deg less; its parser: 0.
+constexpr ColaRow nav2xx = row(
+    0, false, ColaStamp::first_beam, 1, usual_password, AngleCompensation::subtracted, false,
+    "SICK contradicts itself on a NAV2xx's angle 0: its driver's parser has it ahead, as here, its README "
+    "on the right; turn the pose by -90 degrees if objects appear 90 degrees to the left");
 // NAV31x, OEM15xx and LRS36x0: sick_lmd_scandata_parser.cpp lets them begin at +180 deg, whatever the shift
 // of the row is. The NAV310's 0 deg lies behind it. Unverified: sick_scan_xd's cloud of an LRS36x0 lies 90
 // deg from its scan.
 constexpr ColaRow backward = row(-180, true, ColaStamp::first_beam);
+constexpr ColaRow nav31x =
+    row(-180, true, ColaStamp::first_beam, 1, usual_password, AngleCompensation::added);
 // Four measuring modules turn together and send one sweep each: four telegrams per turn (SICK 8020494, p.
 // 24).
 constexpr ColaRow lms1000 = {-90,   false,       ColaStamp::first_beam, 4, authorized_client, usual_password,
@@ -86,7 +96,7 @@ constexpr Facts all_facts[] = {
     {"sick_lrs36x0", "LRS36x0", &backward, 8, 0.5, 250, unverified},
     {"sick_lrs36x1", "LRS36x1", &lrs36x1, 15, 0.5, 250, unverified},
     {"sick_nav2xx", "NAV2xx", &nav2xx, 25, 0.1, 50, unverified},
-    {"sick_nav31x", "NAV31x", &backward, 8, 0.5, 250, unverified, other_port},
+    {"sick_nav31x", "NAV31x", &nav31x, 8, 0.5, 250, unverified, other_port},
     {"sick_oem15xx", "OEM15xx", &backward, 8, 0.5, 250, unverified, other_port},
     {"sick_mrs1000", "MRS1000", &mrs1000, 50, 0.016, 64,
      "2 captures (MRS1104), one beside the clouds that SICK's own driver published of it"},
@@ -127,6 +137,9 @@ constexpr std::array identities = {
     Identity{"LMS1xx", "sick_lms1xx"},   Identity{"LMS5", "sick_lms5xx"},
     Identity{"LMS4", "sick_lms4000"},    Identity{"TiM2", "sick_tim240"},
     Identity{"TiM4", "sick_tim4xx"},     Identity{"TiM5", "sick_tim5xx"},
+    Identity{"TiM7xxS", "sick_tim7xxs"}, Identity{"TiM781S", "sick_tim7xxs"},
+    Identity{"TIM2", "sick_tim240"},     Identity{"TIM4", "sick_tim4xx"},
+    Identity{"TIM5", "sick_tim5xx"},     Identity{"TIM7", "sick_tim7xx"},
     Identity{"TiM7", "sick_tim7xx"},     Identity{"LRS3601", "sick_lrs36x1"},
     Identity{"LRS3611", "sick_lrs36x1"}, Identity{"LRS36x1", "sick_lrs36x1"},
     Identity{"LRS36", "sick_lrs36x0"},   Identity{"NAV2", "sick_nav2xx"},
@@ -139,6 +152,9 @@ struct ColaEvidence {
   double hz = 0;                                    ///< scans per second
   double scale_mm = 1;                              ///< of one step of a distance
   double farthest_m = 0;                            ///< of all scans so far
+  std::uint8_t echoes = 0;                          ///< bits of the channels DIST1 ...
+  double parts = 0;        ///< telegrams for each turn, by the measurement frequency; 0: unknown
+  std::string_view named;  ///< the model that the device's own name in the telegram contains
 };
 
 constexpr double slack_deg = 0.1;
@@ -148,6 +164,7 @@ constexpr double any = 0;
 /// the rates and steps and no distance beyond `farthest_m`.
 struct Family {
   std::string_view model;
+  const ColaRow* row;
   double start_deg, end_deg;
   std::array<double, 5> hz;        ///< unused ones 0; all 0: any
   std::array<double, 9> step_deg;  ///< unused ones 0; all 0: any
@@ -158,29 +175,31 @@ struct Family {
 /// sends distances in steps of 2 mm, as its range of 80 m requires (16 bits of 1 mm end at 65 m). The values
 /// of the others are from recordings or, unverified, from data sheets.
 constexpr std::array families = {
-    Family{"sick_lms1000", -48.4, 228.2, {37.5, 75, 150}, {0.1875, 0.375, 0.75}, 1, 64},
-    Family{"sick_tim7xx", -45, 225, {15}, {1.0 / 3}, 1, 25},
-    Family{"sick_tim7xxs", -45, 225, {15}, {1.0 / 3}, 1, 25},
-    Family{"sick_tim5xx", -45, 225, {15}, {1.0 / 3, 1}, 1, 25},
-    Family{"sick_tim4xx", -30, 210, {15}, {1.0 / 3}, 1, 25},
-    Family{"sick_tim240", -120, 120, {14.5}, {1}, 1, 10},
-    Family{"sick_lms1xx", -45, 225, {25, 50}, {0.25, 0.5}, 1, 50},
-    Family{"sick_lms4000", 55, 125, {600}, {}, 1, 6.5},
+    Family{"sick_lms1000", &lms1000, -48.4, 228.2, {37.5, 75, 150}, {0.1875, 0.375, 0.75}, 1, 64},
+    Family{"sick_tim7xx", &tim, -45, 225, {15}, {1.0 / 3}, 1, 25},
+    Family{"sick_tim7xxs", &tim7xxs, -45, 225, {15}, {1.0 / 3}, 1, 25},
+    Family{"sick_tim5xx", &tim, -45, 225, {15}, {1.0 / 3, 1}, 1, 25},
+    Family{"sick_tim4xx", &tim, -30, 210, {15}, {1.0 / 3}, 1, 25},
+    Family{"sick_tim240", &tim240, -120, 120, {14.5}, {1}, 1, 10},
+    Family{"sick_lms1xx", &lms1xx, -45, 225, {25, 50}, {0.25, 0.5}, 1, 50},
+    Family{"sick_lms4000", &lms4000, 55, 125, {600}, {}, 1, 6.5},
     Family{"sick_lms5xx",
+           &lms5xx,
            -5,
            185,
            {25, 35, 50, 75, 100},
            {1.0 / 24, 1.0 / 12, 1.0 / 6, 0.25, 1.0 / 3, 0.5, 2.0 / 3, 0.75, 1},
            2,
            131},
-    Family{"sick_nav31x", 0, 360, {8}, {}, any, any},
-    Family{"sick_oem15xx", 0, 360, {8}, {}, any, any},
-    Family{"sick_lrs36x0", 0, 360, {8}, {}, any, any},
-    Family{"sick_lrs36x1", 0, 360, {8}, {}, any, any},
+    Family{"sick_lms1000", &lms1000, -48.4, 228.2, {50}, {0.25}, 1, 64},
+    Family{"sick_nav31x", &nav31x, 0, 360, {8}, {}, any, any},
+    Family{"sick_oem15xx", &backward, 0, 360, {8}, {}, any, any},
+    Family{"sick_lrs36x0", &backward, 0, 360, {8}, {}, any, any},
+    Family{"sick_lrs36x1", &lrs36x1, 0, 360, {8}, {}, any, any},
     // Accept unlisted steps and rates. An LMS1xx turns at 25 or 50 Hz only.
-    Family{"sick_lms5xx", -5, 185, {}, {}, any, any},
-    Family{"sick_lms1xx", -45, 225, {25, 50}, {}, 1, 50},
-    Family{"sick_tim5xx", -45, 225, {}, {}, 1, 25},
+    Family{"sick_lms5xx", &lms5xx, -5, 185, {}, {}, any, any},
+    Family{"sick_lms1xx", &lms1xx, -45, 225, {25, 50}, {}, 1, 50},
+    Family{"sick_tim5xx", &tim, -45, 225, {}, {}, 1, 25},
 };
 /// The number of families whose scans are known from devices; the last three accept unlisted values.
 constexpr std::size_t known_families = families.size() - 3;
@@ -207,7 +226,15 @@ bool is_whole_lms5xx(const ColaEvidence& seen) {
   return near_to(seen.start_deg, -5, slack_deg) && near_to(seen.end_deg, 185, slack_deg);
 }
 
+/// False if the measurement frequency contradicts the telegrams per turn. An LMS5xx that interlaces its scans
+/// (steps of 1/12 and 1/24 deg) also counts several.
+bool fits_turn(const ColaRow& row, const ColaEvidence& seen) {
+  if (row.turn == 1) return !near_to(seen.parts, 4, 0.2) || seen.step_deg < 0.1;
+  return !near_to(seen.parts, 1, 0.05);
+}
+
 bool fits(const Family& family, const ColaEvidence& seen) {
+  if ((seen.echoes & ~family.row->echoes) != 0 || !fits_turn(*family.row, seen)) return false;
   if (seen.start_deg < family.start_deg - slack_deg || seen.end_deg > family.end_deg + slack_deg)
     return false;
   if (is_whole_lms5xx(seen) && family.model != "sick_lms5xx") return false;
@@ -219,13 +246,19 @@ bool fits(const Family& family, const ColaEvidence& seen) {
 
 /// Adds a telegram to the evidence. False if it has no distances.
 bool add_scan(const ColaScan& scan, ColaEvidence& seen) {
-  const ColaChannel* distance = scan.channel("DIST1");
+  const ColaChannel* const distance = scan.echo_count() > 0 ? &scan.distance(0) : nullptr;
   if (distance == nullptr || distance->values.empty()) return false;
   seen.step_deg = exact_step_deg(distance->step_deg);
   seen.start_deg = distance->start_deg;
   seen.end_deg = distance->start_deg + seen.step_deg * static_cast<double>(distance->values.size() - 1);
   seen.hz = scan.scan_hz;
   seen.scale_mm = static_cast<double>(distance->scale);
+  seen.named = cola_model_named(scan.name());
+  for (std::size_t i = 0; i < distance_names.size(); ++i) {
+    if (scan.channel(distance_names[i]) != nullptr) seen.echoes |= static_cast<std::uint8_t>(1U << i);
+  }
+  const bool complete = scan.measurement_hz > 0 && seen.step_deg > 0;
+  seen.parts = complete ? scan.scan_hz * 360 / seen.step_deg / scan.measurement_hz : 0;
   for (std::size_t i = 0; i < distance->values.size(); ++i) {
     if (distance->values[i] >= first_distance)
       seen.farthest_m = std::max(seen.farthest_m, distance->value(i) * 1e-3);
@@ -272,8 +305,7 @@ class ColaRecognizer final : public Recognizer {
 
  private:
   void inspect(const ColaTelegram& telegram) {
-    if (telegram.kind() == "sRA" && telegram.name() == "DeviceIdent")
-      note_identity(telegram.arguments().text());
+    if (telegram.kind() == "sRA") note_answer(telegram);
     if (named_ || !is_cola_scan(telegram)) return;
     const Reject reason = parse_cola_scan(telegram, scan_);
     if (reason != Reject::none) return counters_.reject(reason);
@@ -287,8 +319,16 @@ class ColaRecognizer final : public Recognizer {
     if (add_scan(scan_, seen_)) choose();
   }
 
-  void note_identity(std::string_view identity) {
-    const std::string_view model = cola_model_named(identity);
+  /// Uses answers that name the device: DeviceIdent, DItype (type code) and index 0, the DeviceIdent of older
+  /// drivers ("sRI 0"; two bytes in CoLa B, which is unverified); and MCAngleCompSin, by its size.
+  void note_answer(const ColaTelegram& telegram) {
+    const std::string_view name = telegram.name();
+    const bool is_first = name == "0" || telegram.payload.text().substr(3, 2) == std::string_view("\0\0", 2);
+    std::string_view model;
+    if (is_first || name == "DeviceIdent" || name == "DItype")
+      model = cola_model_named(telegram.payload.text().substr(4 + name.size()));
+    if (name == angle_compensation && telegram.dialect == ColaDialect::b)
+      model = telegram.arguments().size() == 12 ? "sick_nav2xx" : "sick_nav31x";
     if (model.empty()) return;
     verdict_ = model;
     named_ = true;
@@ -302,6 +342,10 @@ class ColaRecognizer final : public Recognizer {
     for (std::size_t i = 0; i < families.size(); ++i) {
       if (i >= known_families && !verdict_.empty()) return;
       if (!fits(families[i], seen_)) continue;
+      if (families[i].model == seen_.named) {
+        verdict_ = seen_.named;
+        return others_.clear();
+      }
       if (verdict_.empty())
         verdict_ = families[i].model;
       else

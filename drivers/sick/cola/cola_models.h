@@ -15,6 +15,10 @@ namespace lidard::sick {
 /// measurement itself starts"; the times of transmission beside it contradict that for some devices.
 enum class ColaStamp : std::uint8_t { first_beam, last_beam };
 
+/// What the answer to MCAngleCompSin means (sick_scan_xd 3.9.0, angle_compensator.cpp), a: the device's
+/// angle. `subtracted`: a - A sin(a + P) - O (NAV2xx); `added`: a + A sin(a - P) + O (NAV3xx).
+enum class AngleCompensation : std::uint8_t { none, subtracted, added };
+
 /// Protocol properties of one device.
 struct ColaRow {
   double shift_deg;              ///< added to the device's angle, so that 0 points ahead
@@ -26,6 +30,10 @@ struct ColaRow {
   bool layered;                  ///< several planes, one telegram for each: a cloud
   std::uint8_t echoes = 1;       ///< bits of the echoes DIST1 ... that it can send
   bool zero_is_unknown = false;  ///< distance 0 does not say that nothing is there
+  AngleCompensation compensation = AngleCompensation::none;
+  bool reports_contamination =
+      false;                  ///< answers LCMstate (SICK 8013796 p. 86; drivers of the LMS1xx ask it)
+  std::string_view remark{};  ///< said once of a sensor: what sources disagree on
 };
 
 /// Adds the scanners that speak CoLa A and B over TCP to the table of models.

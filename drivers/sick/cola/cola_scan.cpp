@@ -115,15 +115,21 @@ const ColaChannel* ColaScan::channel(std::string_view wanted) const {
   return nullptr;
 }
 
-const ColaChannel* ColaScan::intensity(std::size_t echo) const {
-  const ColaChannel* const rssi = channel(intensity_names[echo]);
-  return rssi == nullptr && echo == 0 ? channel("REFL1") : rssi;
+std::size_t ColaScan::echo_count() const {
+  return static_cast<std::size_t>(std::count_if(distance_names.begin(), distance_names.end(),
+                                                [this](auto each) { return channel(each) != nullptr; }));
 }
 
-std::size_t ColaScan::echo_count() const {
-  std::size_t count = 0;
-  while (count < distance_names.size() && channel(distance_names[count]) != nullptr) ++count;
-  return count;
+std::size_t ColaScan::echo(std::size_t k) const {
+  std::size_t index = 0;
+  while (index < distance_names.size() && (channel(distance_names[index]) == nullptr || k-- > 0)) ++index;
+  return index;
+}
+
+const ColaChannel* ColaScan::intensity(std::size_t k) const {
+  const std::size_t index = echo(k);
+  const ColaChannel* const rssi = channel(intensity_names.at(index));
+  return rssi == nullptr && index == 0 ? channel("REFL1") : rssi;
 }
 
 bool is_cola_scan(const ColaTelegram& telegram) {
@@ -131,11 +137,33 @@ bool is_cola_scan(const ColaTelegram& telegram) {
   return (kind == "sSN" || kind == "sRA") && (name == "LMDscandata" || name == monitor_scan);
 }
 
+/// An early TiM310 (uos/sick_tim, sick_tim310 parser: 592 words; unverified on a device) has two more words
+/// before DIST1, and no number of channels before RSSI1.
 Reject parse_cola_scan(const ColaTelegram& telegram, ColaScan& scan) {
-  return read_arguments(telegram, [&](auto in) { return read_scan(in, scan); });
+  constexpr std::string_view early = " 1 0 0 DIST1 ";
+  const std::size_t at = telegram.payload.text().substr(0, 200).find(early);
+  if (at == std::string_view::npos)
+    return read_arguments(telegram, [&](auto in) { return read_scan(in, scan); });
+  std::string usual(telegram.payload.text());
+  usual.replace(at, early.size(), " 1 DIST1 ");
+  if (const std::size_t rssi = usual.find(" RSSI1 "); rssi != std::string::npos) usual.insert(rssi, " 1");
+  return parse_cola_scan({ColaDialect::a, ByteView(usual)}, scan);
 }
 
 namespace {
+
+template <class Reader>
+Reject read_compensation(Reader in, bool wide, ColaAngleCompensation& out) {
+  // CoLa A may print a negative number of 16 bits with eight digits.
+  const auto number = [&]() -> double {
+    if (wide) return in.i32() / 1e4;
+    return (Reader::units(2) == 2 ? in.i16() : static_cast<std::int16_t>(in.i32())) / 1e4;
+  };
+  out = {number(), in.i32() / 1e4, number()};
+  if (!in.ok()) return Reject::size;
+  // Twenty times as much as in the examples.
+  return std::max(std::abs(out.amplitude_deg), std::abs(out.offset_deg)) > 5 ? Reject::field : Reject::none;
+}
 
 /// Skips the infringed places: 15 bytes per cut-off segment (recorded from an LMS511). Two more lists follow;
 /// no entry of them was recorded.
@@ -219,6 +247,25 @@ Reject read_pins(Reader in, bool with_counts, ColaPins& out) {
 
 }  // namespace
 
+SelfReport cola_self_report(std::uint32_t bits) {
+  SelfReport report;
+  const auto is = [bits](std::uint32_t bit) { return (bits & bit) != 0; };
+  const bool is_blind = is(cola_status::blind);
+  report.add(is_blind, Severity::fault,
+             "the scanner is blind (contamination error): its window is too dirty to measure; clean it");
+  report.add(is(cola_status::contaminated) && !is_blind, Severity::warning,
+             "the scanner warns of contamination: clean its window before it becomes blind");
+  report.add(is(cola_status::error) && !is_blind, Severity::fault,
+             "the scanner reports a device error (status 0 1); switch its power off and on, read the error "
+             "in SOPAS ET");
+  report.add(is(cola_status::laser_off), Severity::warning,
+             "the scanner measures with its laser off (status 1 0); check its operating mode in SOPAS ET");
+  report.add(is(~0x107U), Severity::warning,
+             "the scanner reports an unknown status " + std::to_string(bits >> 8U) + " " +
+                 std::to_string(bits & 0xffU) + "; look for errors in SOPAS ET");
+  return report;
+}
+
 Reject parse_cola_imu(const ColaTelegram& telegram, ColaImu& imu) {
   if (telegram.dialect != ColaDialect::b) return Reject::version;
   constexpr std::size_t size = 60;
@@ -235,6 +282,15 @@ Reject parse_cola_imu(const ColaTelegram& telegram, ColaImu& imu) {
   in.u32();  // unknown; 0
   imu.time_us = in.u32();
   return finite ? Reject::none : Reject::field;
+}
+
+Reject parse_cola_compensation(const ColaTelegram& telegram, AngleCompensation kind,
+                               ColaAngleCompensation& out) {
+  const std::size_t size = telegram.arguments().size();
+  const bool binary = telegram.dialect == ColaDialect::b;
+  if (binary && size != 8 && size != 12) return Reject::size;
+  const bool wide = binary ? size == 12 : kind == AngleCompensation::subtracted;
+  return read_arguments(telegram, [&](auto in) { return read_compensation(in, wide, out); });
 }
 
 Reject parse_cola_fields(const ColaTelegram& telegram, ColaFields& fields) {

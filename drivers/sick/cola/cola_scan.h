@@ -14,7 +14,8 @@
 #include "core/base/counters.h"
 #include "core/base/device_clock.h"
 #include "core/base/time.h"
-#include "drivers/driver.h"
+#include "drivers/driver_base.h"
+#include "drivers/sick/cola/cola_models.h"
 #include "drivers/sick/cola/cola_stream.h"
 
 namespace lidard::sick {
@@ -64,11 +65,15 @@ struct ColaScan {
   std::string_view name() const { return {name_text.data(), name_size}; }
   /// The channel of that name ("DIST1"), or nullptr.
   const ColaChannel* channel(std::string_view name) const;
-  /// The intensities of an echo, or nullptr. An LMS4000 that is set to remission in percent sends REFL1 (SICK
-  /// 8027168 p. 55).
-  const ColaChannel* intensity(std::size_t echo) const;
-  /// Number of consecutive channels DIST1, DIST2, ...
+  /// Number of channels DIST1, DIST2, ...; a device may be set to send a later echo without the first one.
   std::size_t echo_count() const;
+  /// The index in distance_names of the k-th echo that the telegram holds.
+  std::size_t echo(std::size_t k) const;
+  /// Its distances.
+  const ColaChannel& distance(std::size_t k) const { return *channel(distance_names.at(echo(k))); }
+  /// Its intensities, or nullptr. An LMS4000 that is set to remission in percent sends REFL1 (SICK 8027168 p.
+  /// 55).
+  const ColaChannel* intensity(std::size_t k) const;
 };
 
 /// The scan as SOPAS ET subscribes to it: the layout of LMDscandata (recorded from a TiM781S).
@@ -144,6 +149,24 @@ class ColaClock {
   Span device_{0};
   Stamp arrival_;
 };
+
+/// How far the angles of a NAV deviate, as measured at the factory: the answer to MCAngleCompSin.
+struct ColaAngleCompensation {
+  double amplitude_deg = 0, phase_deg = 0, offset_deg = 0;
+};
+constexpr std::string_view angle_compensation = "MCAngleCompSin", contamination_state = "LCMstate";
+/// Layout and examples: sick_scan_xd 3.9.0, angle_compensator.cpp: 32 bits each (NAV2xx), or 16, 32 and 16
+/// bits (NAV3xx), in 1/10000 deg. CoLa A does not show the widths, so they follow from `kind` there.
+Reject parse_cola_compensation(const ColaTelegram& telegram, AngleCompensation kind,
+                               ColaAngleCompensation& out);
+
+/// Bits of the status word, the second byte lowest. SICK 8013796 (LMS500) p. 81: 1, 2 and 4; SICK 8014631 has
+/// 5, too. The laser is off: public library LMS5xxConnector; so the first scans of a recorded LMS111 and
+/// LMS511 report.
+namespace cola_status {
+constexpr std::uint32_t error = 1, contaminated = 2, blind = 4, laser_off = 0x100;
+}
+SelfReport cola_self_report(std::uint32_t bits);
 
 /// LFErec: the result of the device's field evaluation.
 struct ColaFields {

@@ -27,7 +27,7 @@ class CompactDriver final : public DriverBase {
       : DriverBase(config),
         clock_(config.clock),
         side_clock_(config.clock),
-        warnings_(info_.warnings),
+        warnings_(info_),
         dialogue_(config.model->dialogue_port != 0 ? make_sopas_dialogue(config) : nullptr) {
     builder_ = config.model->kind == FrameKind::cloud ? make_cloud_builder(config_, clock_)
                                                       : make_scan_builder(config_, clock_, warnings_);

@@ -23,6 +23,8 @@ constexpr std::int32_t overtaking_limit = 16;
 constexpr std::int64_t loss_without_time = 1000;
 
 enum class Warning : std::uint8_t {
+  state,
+  dirty_beams,
   geometry,
   no_beams_left,
   other_stream,
@@ -187,6 +189,7 @@ class SafetyDriver final : public DriverBase {
     if (status_known_ && now == status_) return;
     status_known_ = true;
     status_ = now;
+    board_.show(Warning::state, troubles(status_));
     list_details();
   }
 
@@ -270,6 +273,7 @@ class SafetyDriver final : public DriverBase {
   void fill() {
     scan_.reset(scan_.beams, 1, config_.publish_intensity);
     const double metres = geometry_->factor * 1e-3;
+    constexpr unsigned dirty = ms3_beam::contamination | ms3_beam::contamination_warning;
     unsigned flags = 0;
     scan_.flags.resize(scan_.beams);
     for (std::size_t i = 0; i < scan_.beams; ++i) {
@@ -287,6 +291,8 @@ class SafetyDriver final : public DriverBase {
       // A device of that range may overshoot its end a little.
       if (range > 1.05F * scan_.range_max) beyond_range_m_ = std::max<double>(beyond_range_m_, range);
     }
+    board_.update(Warning::dirty_beams, !telegram_.state && (flags & dirty) != 0,
+                  [] { return "the scanner marks beams as contaminated; clean its optics cover"; });
     // The ranges show these two.
     scan_.hide_gap(window_);
     if ((flags & ~(0U + ms3_beam::valid + ms3_beam::infinite)) == 0) scan_.flags.clear();
@@ -299,7 +305,7 @@ class SafetyDriver final : public DriverBase {
   }
 
   const SafetyRow& row_;
-  WarningBoard<Warning> board_{info_.warnings};
+  WarningBoard<Warning> board_{info_};
   Ms3Reassembler reassembler_;
   Ms3Telegram telegram_{};
   ScanClock clock_;

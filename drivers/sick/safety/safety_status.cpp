@@ -38,6 +38,26 @@ std::string cases(const Ms3State& s) {
 
 }  // namespace
 
+SelfReport troubles(const SafetyStatus& status) {
+  SelfReport report;
+  if (!status.state) return report;
+  const Ms3State& s = *status.state;
+  report.add(s.device_error, Severity::fault,
+             "the scanner reports a device error; read it on the display, switch the power off and on");
+  report.add(s.application_error, Severity::fault,
+             "the scanner reports an application error; read it in Safety Designer and correct its cause");
+  report.add(s.contamination_error, Severity::fault,
+             "the scanner reports a contamination error: clean its optics cover");
+  report.add(s.contamination_warning && !s.contamination_error, Severity::warning,
+             "the scanner warns of contamination: clean its optics cover before it switches off");
+  report.add(s.manipulation, Severity::fault,
+             "the scanner reports manipulation; remove what covers it, and check its mount");
+  report.add(
+      s.reference_contour, Severity::warning,
+      "the scanner's reference contour is violated; check its mount, and the contour in Safety Designer");
+  return report;
+}
+
 bool SafetyStatus::in_standby() const { return (state && state->standby) || standby_state == 1; }
 
 bool operator==(const SafetyStatus& a, const SafetyStatus& b) { return tied(a) == tied(b); }

@@ -9,7 +9,7 @@
 
 #include "core/frames/device_message.h"
 #include "core/frames/scan.h"
-#include "drivers/driver.h"
+#include "drivers/driver_base.h"
 #include "drivers/sick/safety/ms3_telegram.h"
 
 namespace lidard::sick {
@@ -29,6 +29,9 @@ struct SafetyStatus {
 };
 
 SafetyStatus read_status(const Ms3Telegram& telegram);
+
+/// What the scanner reports of itself (SICK 8022708 p. 18-19).
+SelfReport troubles(const SafetyStatus& status);
 
 /// Key and text of all values, for diagnostics.
 std::vector<std::pair<std::string, std::string>> describe(const SafetyStatus& status);

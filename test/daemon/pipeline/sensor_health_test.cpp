@@ -11,6 +11,7 @@
 
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/pipeline/report.h"
+#include "test/drivers/sick/safety/ms3_encoder.h"
 #include "test/support/recording_sink.h"
 #include "test/support/velodyne_wire.h"
 
@@ -75,6 +76,37 @@ TEST(SensorHealth, OfAWholeStreamIsWellAllTheTime) {
   EXPECT_EQ(room.value("Expected frames/s"), "10.0");
   EXPECT_EQ(room.value("Lost in the last 10 s"), "0");
   EXPECT_THAT(room.table(), AllOf(Not(HasSubstr("WARN")), Not(HasSubstr("ERROR"))));
+}
+
+// SICK 8022708 p. 18-19: 4 contamination warning, 8 contamination error.
+TEST(SensorHealth, ASafetyScannerThatReportsTroubleIsNotOkThoughItsScansCome) {
+  const Config config = parse_config(
+      "sensors: {front: {model: sick_microscan3, ip_address: 192.168.1.201, ip_port: 6060}}", "c");
+  NoTransforms poses;
+  test::RecordingSink sink{false};
+  Pipeline pipeline{config, poses, sink};
+  test::Ms3Sample sample;
+  Stamp now = test::ms3_epoch;
+  std::uint32_t identification = 0;
+  const auto level_with = [&](std::uint8_t flags) {
+    sample.state_flags = flags;
+    for (int scan = 0; scan < 100; ++scan) {
+      ++sample.sequence, ++sample.scan;
+      now = now + std::chrono::milliseconds(sample.scan_time_ms);
+      for (const auto& bytes : test::ms3_datagrams(sample.instance(), ++identification))
+        pipeline.packet({{bytes.data(), bytes.size()}, now, {first, 6060}, {{}, 6060}});
+      pipeline.tick(now);
+    }
+    return pipeline.diagnostics(now).at(0);
+  };
+  for (int incident = 0; incident < 2; ++incident) {
+    EXPECT_EQ(level_with(1).health, Health::ok);
+    EXPECT_EQ(level_with(1 | 4).health, Health::warn);
+    const DiagnosticItem blind = level_with(1 | 8);
+    EXPECT_EQ(blind.health, Health::error);
+    EXPECT_THAT(blind.message, HasSubstr("clean its optics cover"));
+  }
+  EXPECT_EQ(level_with(1).health, Health::ok);
 }
 
 TEST(SensorHealth, TellsThatATenthOfThePacketsIsLost) {

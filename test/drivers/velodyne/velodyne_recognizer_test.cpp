@@ -52,6 +52,26 @@ Found identify(const std::string& model, const std::string& timing, bool status_
 
 constexpr std::size_t plenty = 10'000;
 
+/// The remark on a telemetry packet.
+std::string remark_on(std::uint16_t port, std::string_view sentence, std::size_t size = 512) {
+  std::vector<std::uint8_t> bytes(size);
+  if (size > 0xCE + sentence.size()) std::copy(sentence.begin(), sentence.end(), bytes.begin() + 0xCE);
+  Identifier identifier;
+  identifier.add({{bytes.data(), bytes.size()}, Stamp(1), {IpAddress::v4(10, 0, 0, 1), 8308}, {{}, port}});
+  EXPECT_EQ(identifier.verdict(), nullptr);
+  return identifier.remark();
+}
+
+TEST(VelodyneRecognizer, TelemetryWithoutDataIsNamedWithWhatToCheck) {
+  const auto is_named = ::testing::AllOf(HasSubstr("telemetry of a Velodyne"), HasSubstr("laser and motor"),
+                                         HasSubstr("port 2368"));
+  EXPECT_THAT(remark_on(8308, ""), is_named) << "no receiver is connected";
+  EXPECT_THAT(remark_on(8308, "$GPRMC,120000,A,"), is_named);
+  EXPECT_THAT(remark_on(9999, "$GPGGA,120000,"), is_named) << "another port is configured";
+  EXPECT_EQ(remark_on(9999, ""), "");
+  EXPECT_EQ(remark_on(8308, "$GPRMC", 511), "");
+}
+
 TEST(VelodyneRecognizer, EveryModelAndModeIsTheVerdictOrAmongTheOthers) {
   for (const ModelMode& which : test::model_modes()) {
     SCOPED_TRACE(which.name());

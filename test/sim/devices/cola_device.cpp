@@ -111,6 +111,15 @@ std::vector<std::uint8_t> ColaDevice::answer_to(const std::string& command, cons
     return out.number(static_cast<std::uint32_t>(std::lround(end * 1e4)), 4).bytes();
   }
   if (command == "sRN LMDscandatacfg") return settings();
+  if (command == "sRN LCMstate" && options_.contamination)
+    return words("sRA LCMstate").number(*options_.contamination, 1).bytes();
+  if (command == "sRN MCAngleCompSin" && options_.compensation) {
+    ColaWords out = words("sRA MCAngleCompSin");
+    for (std::size_t i = 0; i < 3; ++i)
+      out.number(static_cast<std::uint32_t>(options_.compensation->at(i)),
+                 i == 1 || options_.wide_compensation ? 4 : 2);
+    return out.bytes();
+  }
   if (command == "sWN LMDscandatacfg") {
     if (!logged_in_) return refuse(10);
     take_settings(arguments);
@@ -188,6 +197,7 @@ void ColaDevice::send_scan(std::int64_t number, Stamp first_beam) {
   const Stamp last_beam = first_beam + beam_period() * static_cast<std::int64_t>(options_.beams - 1);
   SickScan scan;
   scan.serial = options_.serial;
+  std::copy(options_.status.begin(), options_.status.end(), scan.status);
   scan.telegram_counter = telegrams_++;
   scan.scan_counter = static_cast<std::uint16_t>(number);
   scan.start_us = device_us(options_.stamps_last_beam ? last_beam : first_beam);

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,9 +36,15 @@ struct ColaDeviceOptions {
   Transit transit;
   std::uint8_t channels = 1, rssi = 0;  ///< LMDscandatacfg
   std::uint16_t interval = 1;
-  std::uint32_t password = 0xF4724744;       ///< of level 3
-  std::map<std::string, unsigned> refusals;  ///< sFA code by command ("sEN LMDscandata")
-  bool measures = true;                      ///< false: takes subscriptions and sends nothing
+  std::uint32_t password = 0xF4724744;        ///< of level 3
+  std::map<std::string, unsigned> refusals;   ///< sFA code by command ("sEN LMDscandata")
+  bool measures = true;                       ///< false: takes subscriptions and sends nothing
+  std::array<std::uint8_t, 2> status{};       ///< of every scan
+  std::optional<std::uint8_t> contamination;  ///< answer to LCMstate; none: it does not know the word
+  /// Answer to MCAngleCompSin (amplitude, phase, offset, 1/10000 deg); none: it does not know the word. A
+  /// NAV2xx sends 32 bits each, a NAV3xx 16, 32 and 16.
+  std::optional<std::array<std::int32_t, 3>> compensation;
+  bool wide_compensation = false;
 };
 
 /// What a beam brings back: up to two distances (mm; 0: none, below 16: a code), and how bright the first is.

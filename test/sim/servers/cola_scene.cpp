@@ -51,6 +51,14 @@ Span beam_period(const ColaDeviceOptions& device) {
   return span_from_seconds(device.scans_per_turn / device.hz * device.exact_step_deg / 360);
 }
 
+/// Where a NAV's beam points whose angle it sends: the formulas of sick_scan_xd (angle_compensator.cpp).
+double true_angle(const ColaDeviceOptions& device, double sent_deg) {
+  if (!device.compensation) return sent_deg;
+  const auto [a, p, o] = *device.compensation;
+  const double sign = device.wide_compensation ? -1 : 1;
+  return sent_deg + sign * a * 1e-4 * std::sin((sent_deg - sign * p * 1e-4) * rad_per_deg) + sign * o * 1e-4;
+}
+
 std::vector<Beam> beams_of(const Product& product, const ColaDeviceOptions& device, Stamp begin, Span since,
                            std::size_t count) {
   const auto turn = static_cast<std::size_t>(turn_of(device, since));
@@ -60,7 +68,8 @@ std::vector<Beam> beams_of(const Product& product, const ColaDeviceOptions& devi
   const double elevation = -layer / 100.0 * rad_per_deg;
   std::vector<Beam> all(count);
   for (std::size_t i = 0; i < count; ++i) {
-    const double device_deg = device.start / 1e4 + device.exact_step_deg * static_cast<double>(i);
+    const double sent_deg = device.start / 1e4 + device.exact_step_deg * static_cast<double>(i);
+    const double device_deg = true_angle(device, sent_deg);
     Beam& beam = all[i];
     beam.time = begin + beam_period(device) * static_cast<std::int64_t>(i);
     beam.azimuth = (product.clockwise ? -1 : 1) * (device_deg - product.ahead_deg) * rad_per_deg;
@@ -91,6 +100,9 @@ ColaDeviceOptions options_of(const Product& product) {
   if (model == "sick_mrs1000" || model == "sick_lms1000") device.scans_per_turn = 4;
   // In the order of two recorded MRS1104.
   if (model == "sick_mrs1000") device.layers = {250, -500, 0, -250};
+  if (model == "sick_lms1xx" || model == "sick_lms5xx") device.contamination = 0;
+  if (model == "sick_nav2xx" || model == "sick_nav31x") device.compensation.emplace();
+  device.wide_compensation = model == "sick_nav2xx";
   device.password = model == "sick_tim7xxs" ? 0x6FD62C05 : 0xF4724744;
   // What is left of the period behind the sweep of a fast device is shorter than the others' processing.
   device.processing = std::min<Span>(device.processing, span_from_seconds(1 / device.hz / 6));
@@ -105,10 +117,11 @@ void set_angles(ColaDeviceOptions& device, double start_deg, double end_deg, dou
   device.beams = static_cast<std::size_t>(std::lround((end_deg - start_deg) / step_deg)) + 1;
 }
 
-std::vector<std::string> requests_of(Cola dialect) {
+std::vector<std::string> requests_of(Cola dialect, bool compensated) {
   std::vector<std::string> requests;
-  for (const char* command :
-       {"sRN DeviceIdent", "sRN LMPoutputRange", "sRN LMDscandatacfg", "sEN LMDscandata"}) {
+  for (const char* command : {"sRN DeviceIdent", "sRN LMPoutputRange", "sRN LMDscandatacfg",
+                              "sRN MCAngleCompSin", "sEN LMDscandata"}) {
+    if (!compensated && std::string_view(command) == "sRN MCAngleCompSin") continue;
     ColaWords words(dialect, command);
     if (command[1] == 'E') words.number(1, 1);
     const std::vector<std::uint8_t> bytes = words.bytes();
@@ -130,7 +143,7 @@ SceneDevice scene_device(const Product& product, const ColaDeviceOptions& option
   device.wire = [](const Answer& answer) { return wire_distance(wire_of(answer).mm[0], 1); };
   device.sent_within =
       beam_period(options) * static_cast<std::int64_t>(options.beams - 1) + options.processing;
-  device.requests = requests_of(options.dialect);
+  device.requests = requests_of(options.dialect, options.compensation.has_value());
   device.next_request = options.answer_time;
   device.joined = joined;
   device.make = [options](Transit transit, const SceneDevice::View& view, Stamp power_on) {
@@ -148,7 +161,7 @@ SceneDevice scene_device(const Product& product, const ColaDeviceOptions& option
 
 void parse_cola(const Product& product, const YamlReader& yaml, SensorEntry& entry) {
   yaml.allow({"dialect", "serial", "start_deg", "end_deg", "step_deg", "clock_ppm", "clock_us", "boot",
-              "echoes", "rssi", "joined"});
+              "echoes", "rssi", "joined", "status", "contamination", "compensation_deg"});
   ColaDeviceOptions device = options_of(product);
   if (yaml.has("dialect")) {
     const std::string dialect = yaml.at("dialect").text();
@@ -167,6 +180,18 @@ void parse_cola(const Product& product, const YamlReader& yaml, SensorEntry& ent
   device.boot = span_from_seconds(yaml.not_negative("boot", 0));
   device.channels = static_cast<std::uint8_t>((1U << static_cast<unsigned>(yaml.positive("echoes", 1))) - 1);
   device.rssi = yaml.flag("rssi") ? 1 : 0;
+  if (yaml.has("status")) {
+    const std::int64_t status = yaml.at("status").integer();
+    device.status = {static_cast<std::uint8_t>(status >> 8), static_cast<std::uint8_t>(status)};
+  }
+  if (yaml.has("contamination"))
+    device.contamination = static_cast<std::uint8_t>(yaml.at("contamination").integer());
+  if (device.compensation && yaml.has("compensation_deg")) {
+    const Eigen::Vector3d given = yaml.at("compensation_deg").vector3();
+    for (std::size_t i = 0; i < 3; ++i)
+      device.compensation->at(i) =
+          static_cast<std::int32_t>(std::lround(given[static_cast<Eigen::Index>(i)] * 1e4));
+  }
   set_device(scene_device(product, device, yaml.flag("joined")), entry);
 }
 

@@ -24,7 +24,10 @@ TEST(ColaDialogue, ByDefaultItAsksForWhatTheStreamNeedsAndNothingElse) {
     bench.send_next();
     device.wait(0.6);
   }
-  EXPECT_EQ(bench.requests.size(), 4U);
+  // Beside the stream: contamination, every 10 s.
+  EXPECT_EQ(bench.requests.size(), 4U + 6);
+  for (std::size_t i = 4; i < bench.requests.size(); ++i)
+    EXPECT_EQ(bench.requests[i], binary("sRN LCMstate"));
   EXPECT_TRUE(bench.driver->info().warnings.empty());
   EXPECT_TRUE(bench.notes.empty());
   EXPECT_EQ(bench.detail("Device"), "LMS1xx, V1.80");
@@ -96,7 +99,7 @@ TEST(ColaDialogue, ADeviceThatTakesSecondsForEachAnswerGetsThrough) {
         EXPECT_TRUE(bench.has_warning("did not answer")) << "people learn why there are no scans";
         device.run(1);
       }
-      EXPECT_EQ(bench.requests.back(), subscribe(dialect));
+      EXPECT_THAT(bench.requests, ::testing::Contains(subscribe(dialect)));
       bench.send_next();
       EXPECT_EQ(bench.scans.size(), 1U);
       EXPECT_EQ(bench.reconnects, 0);
@@ -114,7 +117,7 @@ TEST(ColaDialogue, AReadThatIsRefusedDoesNotStopTheStream) {
     device.wait(2.1);
     bench.dialect = dialect;
     bench.send_next();
-    EXPECT_EQ(bench.requests.back(), subscribe(dialect));
+    EXPECT_THAT(bench.requests, ::testing::Contains(subscribe(dialect)));
     EXPECT_THAT(bench.detail("Refused sRN LMPoutputRange"),
                 HasSubstr("(sFA 3): the device does not know that variable"));
     EXPECT_TRUE(bench.driver->info().warnings.empty()) << "it costs nothing";
@@ -164,7 +167,7 @@ TEST(ColaDialogue, ADeviceThatSendsScansButDoesNotAnswerIsKept) {
     }
     EXPECT_EQ(bench.reconnects, 0);
     EXPECT_EQ(bench.scans.size(), 1000U);
-    EXPECT_EQ(bench.requests.back(), subscribe(dialect));
+    EXPECT_THAT(bench.requests, ::testing::Contains(subscribe(dialect)));
     EXPECT_EQ(bench.detail("Refused sRN LMPoutputRange"), "no answer");
     EXPECT_TRUE(bench.driver->info().warnings.empty());
   }

@@ -72,6 +72,56 @@ INSTANTIATE_TEST_SUITE_P(
                       Pointing{"sick_nav31x", 180, 170}, Pointing{"sick_oem15xx", 180, 170}),
     [](const auto& each) { return std::string(each.param.model); });
 
+// A legal setting: LMDscandatacfg 02 00.
+TEST(ColaDriver, ALaterEchoAloneIsDecodedAndProvesNoFreeSpace) {
+  for (const char* name : {"DIST2", "DIST5"}) {
+    ColaBench bench("sick_lms5xx");
+    bench.sample.channels = {channel(name, {2000, 0, 3000}), channel("RSSI1", {1, 2, 3}),
+                             channel(name[4] == '2' ? "RSSI2" : "RSSI5", {7, 8, 9})};
+    EXPECT_EQ(bench.send_sample(), Reject::none);
+    const PlanarScan& scan = bench.scans.at(0);
+    EXPECT_FLOAT_EQ(scan.ranges[0], 2);
+    EXPECT_TRUE(std::isnan(scan.ranges[1])) << "the first echo may be near";
+    EXPECT_FLOAT_EQ(scan.intensities[2], 9);
+    ASSERT_EQ(scan.free_from.size(), 3U);
+    for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(scan.free_from[i], scan.range_max);
+    EXPECT_TRUE(bench.has_warning(name));
+    bench.sample.channels = {channel("DIST1", {2000, 0, 3000})};
+    bench.send_next();
+    EXPECT_TRUE(std::isinf(bench.scans.at(1).ranges[1]));
+    EXPECT_TRUE(bench.scans[1].free_from.empty());
+    EXPECT_FALSE(bench.has_warning(name));
+  }
+}
+
+TEST(ColaDriver, EchoesWithAGapBetweenThemAllCome) {
+  DriverConfig config;
+  config.publish_multiecho = true;
+  ColaBench bench("sick_lms5xx", config);
+  bench.sample.channels = {channel("DIST1", {2000, 0}), channel("DIST3", {4000, 0})};
+  bench.send_sample();
+  const PlanarScan& scan = bench.scans.at(0);
+  ASSERT_EQ(scan.echoes, 2U);
+  EXPECT_FLOAT_EQ(scan.ranges[scan.index(0, 1)], 4);
+  EXPECT_TRUE(scan.free_from.empty());
+}
+
+// uos/sick_tim, sick_tim310 parser: two more words before DIST1, none before RSSI1.
+TEST(ColaDriver, TheEarlyLayoutOfATim310IsRead) {
+  ColaBench bench("sick_tim5xx");
+  const std::string text =
+      "\2sSN LMDscandata 1 1 B96518 0 0 99 9A 13C8E59 13C9CBE 0 0 8 0 0 5DC 36 0 1 0 0 DIST1 3F800000 "
+      "00000000 "
+      "FFF92230 2710 3 7D0 7DC 7E8 RSSI1 3F800000 00000000 FFF92230 2710 3 1 2 3 0 0 1 B not defined 0 0 0 "
+      "0\3";
+  EXPECT_EQ(bench.send({text.begin(), text.end()}), Reject::none);
+  const PlanarScan& scan = bench.scans.at(0);
+  ASSERT_EQ(scan.beams, 3U);
+  EXPECT_FLOAT_EQ(scan.ranges[2], 2.024F);
+  EXPECT_FLOAT_EQ(scan.intensities.at(2), 3);
+  EXPECT_NEAR(scan.angle_min, -135 * pi_d / 180, 1e-6);
+}
+
 TEST(ColaDriver, EveryModelOfTheTableHasAPointingTest) {
   std::size_t planar = 0;
   for (const Model& model : models()) {

@@ -143,6 +143,89 @@ TEST(ColaRecognizer, TheNameOfTheDeviceCountsMoreThanItsScans) {
   }
 }
 
+TEST(ColaRecognizer, EveryAnswerThatNamesTheDeviceCounts) {
+  // sick_tim and sick_scan ask "sRI 0" (SICKAG/sick_scan issue 4), sick_scan_xd also DItype.
+  for (const char* answer : {"sRA DeviceIdent 6 TiM561 E V2.51-21.08.15", "sRA 0 6 TiM561 E V2.51-21.08.15",
+                             "sRA DItype E TIM561-2050101"}) {
+    const auto recognizer = sick::make_cola_recognizer();
+    const std::string telegram = std::string("\2") + answer + "\3";
+    show(*recognizer, {telegram.begin(), telegram.end()});
+    show(*recognizer, Shown{-45, 1.0 / 3, 15, 811});
+    EXPECT_EQ(recognizer->verdict(), "sick_tim5xx") << answer;
+    EXPECT_THAT(recognizer->others(), IsEmpty()) << answer;
+  }
+  EXPECT_EQ(verdict_of({-45, 1.0 / 3, 15, 811, 1, 3000, "TiM781S"}).model, "sick_tim7xxs");
+}
+
+TEST(ColaRecognizer, TheSizeOfTheAngleCompensationTellsTheNavsApart) {
+  for (const auto& [bytes, model] : {std::pair(12, "sick_nav2xx"), std::pair(8, "sick_nav31x")}) {
+    const auto recognizer = sick::make_cola_recognizer();
+    sim::ColaWords answer(sim::Cola::binary, "sRA MCAngleCompSin");
+    for (int i = 0; i < bytes; i += 4) answer.number(0, 4);
+    show(*recognizer, answer.bytes());
+    show(*recognizer, Shown{0, 0.25, 8, 1440});
+    EXPECT_EQ(recognizer->verdict(), model);
+    EXPECT_THAT(recognizer->others(), IsEmpty());
+  }
+}
+
+/// The verdict on one telegram.
+Verdict verdict_on(const sim::SickScan& scan) {
+  const auto recognizer = sick::make_cola_recognizer();
+  show(*recognizer, scan.bytes(sim::Cola::text));
+  return {std::string(recognizer->verdict()), recognizer->others()};
+}
+
+TEST(ColaRecognizer, TheMeasurementFrequencyTellsHowManyTelegramsMakeATurn) {
+  sim::SickScan scan;
+  scan.channels = {sim::SickChannel{"DIST1", 1, 0, 0, 2500, true, std::vector<std::uint16_t>(600, 3000)}};
+  scan.scan_frequency = 5000;
+  scan.measurement_frequency = 180;  // as an MRS1104 sends it, whose head an LMS1000 has
+  EXPECT_EQ(verdict_on(scan).model, "sick_lms1000");
+  scan.measurement_frequency = 720;
+  EXPECT_EQ(verdict_on(scan).model, "sick_lms1xx") << "one telegram for each turn";
+}
+
+TEST(ColaRecognizer, TheEchoesThatAScanHoldsRuleFamiliesOut) {
+  sim::SickScan scan;
+  const std::vector<std::uint16_t> values(241, 3000);
+  scan.channels = {sim::SickChannel{"DIST1", 1, 0, 0, 5000, true, values}};
+  EXPECT_EQ(verdict_on(scan).model, "sick_lms1xx");
+  scan.channels.push_back({"DIST3", 1, 0, 0, 5000, true, values});
+  EXPECT_EQ(verdict_on(scan).model, "sick_lms5xx");
+  EXPECT_THAT(verdict_on(scan).others, IsEmpty());
+}
+
+TEST(ColaRecognizer, TheNameInTheTelegramDecidesBetweenFamiliesThatFit) {
+  sim::SickScan scan;
+  scan.channels = {
+      sim::SickChannel{"DIST1", 1, 0, -450000, 3333, true, std::vector<std::uint16_t>(811, 3000)}};
+  scan.scan_frequency = 1500;
+  scan.measurement_frequency = 162;
+  EXPECT_THAT(verdict_on(scan).others, ElementsAre("sick_tim7xxs", "sick_tim5xx"));
+  scan.name = "TiM571";
+  EXPECT_EQ(verdict_on(scan).model, "sick_tim5xx");
+  EXPECT_THAT(verdict_on(scan).others, IsEmpty());
+  scan.name = "LMS5 left";
+  EXPECT_EQ(verdict_on(scan).model, "sick_tim7xx") << "no LMS5xx sends such scans";
+}
+
+TEST(ColaRecognizer, ReportedCapturesAreNamed) {
+  for (const auto& [file, model] : {std::pair("reports/12-identity-by-sRI0/tim561_sRI0.pcap", "sick_tim5xx"),
+                                    std::pair("reports/12-identity-by-sRI0/tim561_ident.pcap", "sick_tim5xx"),
+                                    std::pair("reports/14-dist2-only/lms100_dist2.pcap", "sick_lms1xx"),
+                                    std::pair("reports/20-tim310-592/tim310_592.pcap", "sick_tim5xx")}) {
+    LIDARD_NEED_CAPTURE(path, file);
+    const auto recognizer = sick::make_cola_recognizer();
+    PcapSource source(path);
+    for (Packet packet; source.next(packet);) {
+      if (packet.from.port == 2112) recognizer->add(packet);
+    }
+    EXPECT_EQ(recognizer->verdict(), model) << file;
+    EXPECT_EQ(recognizer->remark(), "") << file;
+  }
+}
+
 /// Numbers and sums of the distances were computed by another program from the text of the telegrams.
 struct Recorded {
   const char* capture;

@@ -110,6 +110,53 @@ TEST(ColaSim, StampsAreTheFirstBeamsInBothConventions) {
   }
 }
 
+TEST(ColaSim, ANavIsAskedForItsAngles) {
+  for (const bool knows : {true, false}) {
+    ColaDeviceOptions options;
+    options.type = "NAV310";
+    if (knows) options.compensation = {823, 1937037, 231};
+    Session session(options, "sick_nav31x");
+    session.connect();
+    session.run(2);
+    EXPECT_GT(session.scans, 50U);
+    EXPECT_NE(session.device.received().find("sRN MCAngleCompSin"), std::string::npos);
+    EXPECT_EQ(session.has_warning("MCAngleCompSin"), !knows);
+  }
+}
+
+TEST(ColaSim, AScannerThatKnowsNoContaminationIsAskedOnce) {
+  Session session;
+  session.connect();
+  session.run(25);
+  std::size_t asked = 0;
+  for (std::size_t at = 0; (at = session.device.received().find("LCMstate", at)) != std::string::npos; ++at)
+    ++asked;
+  EXPECT_EQ(asked, 1U);
+  EXPECT_TRUE(session.driver->info().warnings.empty());
+}
+
+TEST(ColaSim, ContaminationIsAskedForAgainAndAgainBesideTheStream) {
+  for (const Cola dialect : {Cola::binary, Cola::text}) {
+    ColaDeviceOptions options;
+    options.dialect = dialect;
+    options.contamination = 0;
+    Session session(options);
+    session.connect();
+    session.run(2);
+    EXPECT_FALSE(session.has_warning("contamination"));
+    for (int incident = 0; incident < 2; ++incident) {
+      session.device.options().contamination = 1;
+      session.run(11);
+      EXPECT_TRUE(session.has_warning("contamination"));
+      session.device.options().contamination = 0;
+      session.run(11);
+      EXPECT_FALSE(session.has_warning("contamination"));
+    }
+    EXPECT_EQ(session.disconnects, 0);
+    EXPECT_EQ(session.driver->counters().lost_packets, 0U);
+  }
+}
+
 TEST(ColaSim, ComesBackAfterAPowerCycle) {
   Session session;
   session.connect();

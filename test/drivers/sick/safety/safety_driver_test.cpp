@@ -269,6 +269,50 @@ class CountingOutput final : public DriverOutput {
   std::size_t beams = 0;
 };
 
+// The bits: SICK 8022708 p. 18-19.
+TEST(SafetyDriver, WhatTheScannerReportsOfItselfIsSaidWhileItLasts) {
+  struct Case {
+    std::uint8_t flags, errors;
+    const char* words;
+    bool is_fault;
+  };
+  SafetyBench bench;
+  for (int incident = 0; incident < 2; ++incident) {
+    for (const Case& each :
+         {Case{0x05, 0, "warns of contamination", false}, Case{0x0d, 0, "contamination error", true},
+          Case{0x11, 0, "reference contour", false}, Case{0x21, 0, "manipulation", true},
+          Case{1, 1, "application error", true}, Case{1, 2, "device error", true}}) {
+      bench.sample.state_flags = each.flags;
+      bench.sample.errors = each.errors;
+      bench.send_next();
+      ASSERT_EQ(bench.driver->info().warnings.size(), 1U) << each.words;
+      EXPECT_TRUE(bench.has_warning(each.words)) << each.words;
+      EXPECT_EQ(bench.driver->info().has_fault, each.is_fault) << each.words;
+      bench.sample.state_flags = 1;
+      bench.sample.errors = 0;
+      bench.send_next();
+      EXPECT_TRUE(bench.driver->info().warnings.empty()) << each.words;
+      EXPECT_FALSE(bench.driver->info().has_fault);
+    }
+  }
+  bench.sample.state_flags = 0x25;
+  bench.sample.errors = 2;
+  bench.send_next();
+  EXPECT_TRUE(bench.has_warning("contamination") && bench.has_warning("manipulation") &&
+              bench.has_warning("device error"));
+}
+
+TEST(SafetyDriver, ContaminatedBeamsAreNamedWhereTheScannersStateIsNotSent) {
+  SafetyBench bench;
+  bench.sample.with_state = false;
+  bench.sample.beams[7].status = 0x11;
+  bench.send_next();
+  EXPECT_TRUE(bench.has_warning("contaminated"));
+  bench.sample.beams[7].status = 1;
+  bench.send_next();
+  EXPECT_TRUE(bench.driver->info().warnings.empty());
+}
+
 TEST(SafetyDriver, AllocatesNothingPerScanAfterWarmUp) {
   DriverConfig config;
   config.model = find_model("sick_nanoscan3");
