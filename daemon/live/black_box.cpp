@@ -180,7 +180,7 @@ void BlackBox::add(const Packet& packet) {
 
 void BlackBox::incident(Stamp now, const std::string& kind) {
   if (!is_on()) return;
-  if (!due_ && begun_.size() >= static_cast<std::size_t>(config_.per_day)) {
+  if (!due_ && of_day_ >= config_.per_day) {
     ++left_out_;
     if (!std::exchange(is_used_up_, true)) report_(false, used_up());
     return;
@@ -192,8 +192,7 @@ void BlackBox::incident(Stamp now, const std::string& kind) {
 
 void BlackBox::poll(Stamp now, HostStamp host, const std::function<std::string()>& events) {
   collect();
-  while (!begun_.empty() && now - begun_.front() >= day) begun_.pop_front();
-  is_used_up_ = is_used_up_ && begun_.size() >= static_cast<std::size_t>(config_.per_day);
+  if (now >= day_end_) of_day_ = 0, is_used_up_ = false;
   const bool due = due_ && now >= *due_;
   if (writing_ || (asked_.empty() && !due)) return;
   auto asked = std::exchange(asked_, {});
@@ -203,7 +202,7 @@ void BlackBox::poll(Stamp now, HostStamp host, const std::function<std::string()
     incidents_.clear();
     incident_times_.clear();
     pause_end_ = now + std::max(span_from_seconds(config_.seconds), least_pause);
-    if (trouble.empty()) begun_.push_back(now);
+    if (trouble.empty() && of_day_++ == 0) day_end_ = now + day;
   }
   if (trouble.empty())
     writing_->asked = std::move(asked);
@@ -277,7 +276,7 @@ std::string BlackBox::used_up() const {
   return fmt::format(
       "errors started {} captures within a day, so no further one is written; mend what fails "
       "again and again, or raise blackbox.per_day; `lidard dump` writes one",
-      begun_.size());
+      of_day_);
 }
 
 std::optional<DiagnosticItem> BlackBox::item() const {
@@ -287,7 +286,7 @@ std::optional<DiagnosticItem> BlackBox::item() const {
   item.message = "keeps the newest packets";
   if (is_used_up_) item.set(Health::warn, used_up());
   if (!trouble_.empty()) item.set(Health::warn, trouble_);
-  item.add("Captures within a day", begun_.size());
+  item.add("Captures within a day", std::to_string(of_day_));
   item.add("Errors in no capture", left_out_);
   item.add("Folder", folder_of(config_).string());
   return item;

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -66,7 +65,8 @@ class BlackBox {
   std::vector<Stamp> incident_times_;
   std::optional<Stamp> due_;  // time of the pending capture
   Stamp pause_end_;
-  std::deque<Stamp> begun_;          // captures of the last day that errors started
+  int of_day_ = 0;  // captures that errors started until day_end_
+  Stamp day_end_;
   bool is_used_up_ = false;          // an error came beyond `per_day`
   std::uint64_t left_out_ = 0;       // errors in no capture
   std::set<std::string> kinds_;      // kinds with a protected first capture

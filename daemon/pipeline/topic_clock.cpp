@@ -19,10 +19,10 @@ constexpr int many_strikes = 6, most_strikes = 20;
 }  // namespace
 
 Stamp TopicClock::place(Stamp stamp, Span lasts, Stamp arrival) {
-  const Span ahead = stamp - arrival;
+  const Span ahead = stamp + lasts - arrival;
   const bool is_foreign = ahead > clocks_differ || ahead < -longest_way;
   strikes_ = std::clamp(strikes_ + (is_foreign ? 2 : -1), 0, most_strikes);
-  if (!is_foreign) return std::min(stamp, arrival);
+  if (!is_foreign) return std::min(stamp, arrival - lasts);
   ++replaced_;
   ahead_ = ahead;
   if (stamp <= newest_) clock_.reset();
@@ -35,7 +35,7 @@ std::string TopicClock::trouble(const std::string& source, bool has_offset) cons
   if (strikes_ < many_strikes) return {};
   const double s = seconds(ahead_);
   return fmt::format(
-      "the stamps of {} are {:.3f} s {} this computer's clock, so they are placed by their arrival; "
+      "the stamps of {} are {:.2f} s {} this computer's clock, so they are placed by their arrival; "
       "synchronise the clocks of both computers (chrony){}; of a bag or a simulator, set /use_sim_time",
       source, std::abs(s), s > 0 ? "ahead of" : "behind",
       has_offset ? fmt::format(" or set time_offset: {:.3f}", -s) : "");

@@ -10,8 +10,8 @@
 
 namespace lidard {
 
-/// Judges the stamps of another node's messages by their arrivals. A stamp beyond the arrival, or long before
-/// it, was made by a clock that is not this host's. What replaces it keeps the intervals of that clock and is
+/// Judges the stamps of another node's messages by their arrivals. What was measured after its arrival, or
+/// long before it, was stamped by a clock that is not this host's. What replaces it keeps the intervals of that clock and is
 /// placed by the arrivals, as the stamps of a device are; stamps that do not increase become the arrival.
 class TopicClock {
  public:

@@ -38,10 +38,10 @@ def ages(listener, seconds, now=time.time):
 
 
 def check(outputs, diagnostics, sensor, offset, what):
-    wait_for(lambda: diagnostics.level(f"sensor {sensor}") == 1, 10, f"{sensor} is a WARN, {what}")
-    text = diagnostics.message(f"sensor {sensor}")
-    expect(f"/{sensor}" in text and offset in text and "chrony" in text and "time_offset" in text, text)
-    expect(int(diagnostics.values(f"sensor {sensor}")["Stamps replaced"]) > 5, "it is counted")
+    text = wait_for(lambda: offset in diagnostics.message(f"sensor {sensor}") and diagnostics.message(f"sensor {sensor}"), 10,
+                    f"{sensor} is a WARN, {what}")
+    expect(f"/{sensor}" in text and "chrony" in text and "time_offset" in text and diagnostics.level(f"sensor {sensor}") == 1, text)
+    wait_for(lambda: int(diagnostics.values(f"sensor {sensor}")["Stamps replaced"]) > 5, 10, "it is counted")
     for topic, listener in outputs.items():
         starved = Starved()
         old = ages(listener, 1.5)

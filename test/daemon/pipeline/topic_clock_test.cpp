@@ -128,8 +128,8 @@ TEST(TopicClock, AClockThatIsAheadByMillisecondsMakesNoStampBeyondTheArrival) {
   TopicClock clock;
   for (int i = 0; i < 100; ++i) {
     const Stamp arrival = bench_begin + ms(100 * i);
-    EXPECT_EQ(clock.place(arrival + ms(i % 20), Span(0), arrival), arrival);
-    EXPECT_EQ(clock.place(arrival - ms(i % 20), Span(0), arrival), arrival - ms(i % 20));
+    EXPECT_EQ(clock.place(arrival - ms(40) + ms(i % 20), ms(40), arrival), arrival - ms(40));
+    EXPECT_EQ(clock.place(arrival - ms(40 + i % 20), ms(40), arrival), arrival - ms(40 + i % 20));
   }
   EXPECT_EQ(clock.trouble("topic /b", true), "");
 }
@@ -184,7 +184,7 @@ TEST(TopicClock, PacketsThatAnotherComputerStampedAreCloudsOfTheirArrival) {
   for (const Span ahead : {hour, -hour}) {
     PipelineBench bench("sensors: {roof: {model: velodyne_vlp16, packet_topic: /packets}}\n");
     sim::VelodyneSetup setup;
-    setup.duration = std::chrono::milliseconds(2000);
+    setup.duration = std::chrono::milliseconds(900);
     Stamp last{};
     for (const auto& packet : simulate_velodyne(setup)) {
       bench.pipeline.packet_message("roof", {packet.view(), packet.arrival + ahead, {}, {}},
@@ -192,14 +192,14 @@ TEST(TopicClock, PacketsThatAnotherComputerStampedAreCloudsOfTheirArrival) {
       last = packet.arrival + ms(1);
     }
     const auto& clouds = bench.sink.clouds["roof/points"];
-    ASSERT_GT(clouds.size(), 15U);
+    ASSERT_GT(clouds.size(), 5U);
     for (std::size_t i = 1; i < clouds.size(); ++i) {
       EXPECT_LE(clouds[i].end, bench.sink.released["roof/points"][i]) << i;
       EXPECT_NEAR(seconds(clouds[i].stamp - clouds[i - 1].stamp), 0.1, 0.002) << i;
     }
     const DiagnosticItem roof = bench.item("sensor roof", last);
     EXPECT_EQ(roof.health, Health::warn);
-    EXPECT_THAT(roof.message, HasSubstr("3600.0"));
+    EXPECT_THAT(roof.message, HasSubstr(ahead > Span(0) ? "3600.00 s ahead of" : "3600.00 s behind"));
   }
 }
 
@@ -217,7 +217,7 @@ TEST(TopicClock, OdometryOfAnotherClockMovesTheScansAndIsNamed) {
     expect_of_this_clock(bench, "m");
     const DiagnosticItem motion = bench.item("motion", now);
     EXPECT_EQ(motion.health, Health::warn);
-    EXPECT_THAT(motion.message, AllOf(HasSubstr("topic /odom"), HasSubstr("3600.0")));
+    EXPECT_THAT(motion.message, AllOf(HasSubstr("topic /odom"), HasSubstr("3600.00 s")));
     EXPECT_EQ(test::value_of(motion, "Stamps replaced"), "291");
   }
 }
@@ -230,6 +230,7 @@ TEST(TopicClock, SourcesOfASimulatorAndOfThisHostInOneScanAreAWarning) {
     sweep(bench, "a", ms(at));
     bench.pipeline.set_message_clock(simulated);
     bench.give("b", round_scan("b", bench_begin + simulated + ms(at - 80)), bench_begin + ms(at));
+    bench.pipeline.tick(bench_begin + ms(at + 1));
   }
   const DiagnosticItem merged = bench.item("merged m", bench_begin + ms(3010));
   EXPECT_EQ(merged.health, Health::warn);
