@@ -33,8 +33,9 @@ std::string lock_file(const std::string& node, const std::string& master_uri) {
   return runtime_folder() + "/" + name.substr(0, longest_name) + ".lock";
 }
 
-/// Opens the file and locks it; -1 with errno: EWOULDBLOCK if another process has the lock. Whoever may open
-/// a file can hold its lock: a link, and a file that others made or may open, decide nothing (EPERM).
+/// Opens the file and locks it; -1 with errno: EWOULDBLOCK if another process has the lock. A process that
+/// may open a file can hold its lock: a link, and a file that others made or may open, decide nothing
+/// (EPERM).
 int lock_of(const std::string& file) {
   std::error_code ignored;
   std::filesystem::create_directories(std::filesystem::path(file).parent_path(), ignored);

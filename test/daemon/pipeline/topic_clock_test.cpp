@@ -181,18 +181,19 @@ TEST(TopicClock, CloudsOfAnotherClockAreMergedAsOfTheirArrival) {
 }
 
 TEST(TopicClock, PacketsThatAnotherComputerStampedAreCloudsOfTheirArrival) {
+  sim::VelodyneSetup setup;
+  setup.duration = std::chrono::milliseconds(450);
+  const auto packets = simulate_velodyne(setup);
   for (const Span ahead : {hour, -hour}) {
     PipelineBench bench("sensors: {roof: {model: velodyne_vlp16, packet_topic: /packets}}\n");
-    sim::VelodyneSetup setup;
-    setup.duration = std::chrono::milliseconds(900);
     Stamp last{};
-    for (const auto& packet : simulate_velodyne(setup)) {
+    for (const auto& packet : packets) {
       bench.pipeline.packet_message("roof", {packet.view(), packet.arrival + ahead, {}, {}},
                                     packet.arrival + ms(1));
       last = packet.arrival + ms(1);
     }
     const auto& clouds = bench.sink.clouds["roof/points"];
-    ASSERT_GT(clouds.size(), 5U);
+    ASSERT_GE(clouds.size(), 3U);
     for (std::size_t i = 1; i < clouds.size(); ++i) {
       EXPECT_LE(clouds[i].end, bench.sink.released["roof/points"][i]) << i;
       EXPECT_NEAR(seconds(clouds[i].stamp - clouds[i - 1].stamp), 0.1, 0.002) << i;
