@@ -177,6 +177,7 @@ struct BlackBoxConfig {
   double megabytes = 256;  ///< of memory at most: a shorter time is kept where that does not suffice
   std::string path;        ///< folder of the captures; empty: $STATE_DIRECTORY, else /var/lib/lidard
   int files = 10;          ///< captures that are kept there; the oldest is removed for a new one
+  int per_day = 100;       ///< captures that errors may start within 24 hours
 };
 
 /// The whole configuration, complete and validated.

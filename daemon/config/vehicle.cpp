@@ -126,7 +126,10 @@ const Keys<BlackBoxConfig>& black_box_keys() {
           .or_empty(),
       whole("files", &B::files, 1, 1000,
             "captures kept there; a new one takes the place of the oldest, but the first of each kind of "
-            "error stays")};
+            "error stays"),
+      whole(
+          "per_day", &B::per_day, 1, 1440,
+          "captures that errors may start within 24 hours, and one a minute at most; `lidard dump` is free")};
   return all;
 }
 

@@ -28,6 +28,8 @@ namespace fs = std::filesystem;
 
 /// Time after an incident that a capture includes.
 constexpr Span aftermath = std::chrono::seconds(5);
+/// Between two captures that errors start: what fails again and again must not fill the disk.
+constexpr Span least_pause = std::chrono::minutes(1), day = std::chrono::hours(24);
 
 fs::path folder_of(const BlackBoxConfig& config) {
   if (!config.path.empty()) return config.path;
@@ -101,6 +103,7 @@ struct BlackBox::Writing {
   std::vector<std::string> kept;  // protected captures
   std::string events;
   std::set<std::string> kinds;  // kinds whose first capture this is
+  std::size_t left_out = 0;     // errors since the last capture that are too old for this one
   std::vector<Answer> asked;
   // The result:
   std::string trouble;
@@ -177,12 +180,19 @@ void BlackBox::add(const Packet& packet) {
 
 void BlackBox::incident(Stamp now, const std::string& kind) {
   if (!is_on()) return;
+  if (!due_ && of_day_ >= config_.per_day) {
+    ++left_out_;
+    if (!std::exchange(is_used_up_, true)) report_(false, used_up());
+    return;
+  }
   incidents_.insert(kind);
+  incident_times_.push_back(now);
   if (!due_) due_ = std::max(now + aftermath, pause_end_);
 }
 
 void BlackBox::poll(Stamp now, HostStamp host, const std::function<std::string()>& events) {
   collect();
+  if (now >= day_end_) of_day_ = 0, is_used_up_ = false;
   const bool due = due_ && now >= *due_;
   if (writing_ || (asked_.empty() && !due)) return;
   auto asked = std::exchange(asked_, {});
@@ -190,7 +200,9 @@ void BlackBox::poll(Stamp now, HostStamp host, const std::function<std::string()
   if (due) {
     due_.reset();
     incidents_.clear();
-    pause_end_ = now + span_from_seconds(config_.seconds);
+    incident_times_.clear();
+    pause_end_ = now + std::max(span_from_seconds(config_.seconds), least_pause);
+    if (trouble.empty() && of_day_++ == 0) day_end_ = now + day;
   }
   if (trouble.empty())
     writing_->asked = std::move(asked);
@@ -221,6 +233,9 @@ std::string BlackBox::start(Stamp now, HostStamp host, bool due, const std::func
   writing->files = static_cast<std::size_t>(config_.files);
   writing->kept = firsts_;
   if (due && is_first(incidents_)) writing->kinds = incidents_;
+  const auto first_held = std::lower_bound(incident_times_.begin(), incident_times_.end(), writing->since);
+  if (due) writing->left_out = static_cast<std::size_t>(first_held - incident_times_.begin());
+  left_out_ += writing->left_out;
   writing->events = events();
   try {
     writing->thread = std::thread([writing = writing.get()] {
@@ -245,6 +260,11 @@ void BlackBox::collect() {
   if (good) {
     sentence = fmt::format("the last {:.1f} s are in {}", seconds(written->last - written->first),
                            written->path.string());
+    if (written->left_out > 0)
+      sentence += fmt::format(
+          "; {} errors before that are in no capture, since one a minute is written; set "
+          "blackbox.seconds to 60 for captures without gaps",
+          written->left_out);
     if (!written->kinds.empty()) firsts_.push_back(written->path);
     kinds_.merge(written->kinds);
   }
@@ -252,12 +272,22 @@ void BlackBox::collect() {
   for (const Answer& answer : written->asked) answer(good ? written->path.string() : "error: " + trouble_);
 }
 
+std::string BlackBox::used_up() const {
+  return fmt::format(
+      "errors started {} captures within a day, so no further one is written; mend what fails "
+      "again and again, or raise blackbox.per_day; `lidard dump` writes one",
+      of_day_);
+}
+
 std::optional<DiagnosticItem> BlackBox::item() const {
   if (!is_on()) return std::nullopt;
   DiagnosticItem item{"black box"};
   item.logged = true;
   item.message = "keeps the newest packets";
+  if (is_used_up_) item.set(Health::warn, used_up());
   if (!trouble_.empty()) item.set(Health::warn, trouble_);
+  item.add("Captures within a day", std::to_string(of_day_));
+  item.add("Errors in no capture", left_out_);
   item.add("Folder", folder_of(config_).string());
   return item;
 }

@@ -32,8 +32,9 @@ class BlackBox {
   /// Keeps the packets if the memory size is unchanged.
   void configure(const BlackBoxConfig& config);
   void add(const Packet& packet);
-  /// Reports an error. The capture is written 5 s later, so that it includes the following packets, and at
-  /// most once per duration of a capture. The first capture of every `kind` is not removed with old ones.
+  /// Reports an error. The capture is written 5 s later, so that it includes the following packets; at most
+  /// once a minute, once per duration of a capture and `per_day` times a day, whatever fails. What lies in no
+  /// capture is counted. The first capture of every `kind` is not removed with old ones.
   void incident(Stamp now, const std::string& kind);
   /// Writes the packets as soon as no other capture is being written.
   void dump(Answer answer) { asked_.push_back(std::move(answer)); }
@@ -49,6 +50,7 @@ class BlackBox {
   struct Writing;
   void collect();
   bool is_first(const std::set<std::string>& kinds) const;
+  std::string used_up() const;
   std::string start(Stamp now, HostStamp host, bool due, const std::function<std::string()>& events);
 
   bool is_on() const { return config_.seconds > 0; }
@@ -60,8 +62,13 @@ class BlackBox {
   std::unique_ptr<Writing> writing_;
   std::vector<Answer> asked_;
   std::set<std::string> incidents_;  // kinds of the pending capture
-  std::optional<Stamp> due_;         // time of the pending capture
+  std::vector<Stamp> incident_times_;
+  std::optional<Stamp> due_;  // time of the pending capture
   Stamp pause_end_;
+  int of_day_ = 0;  // captures that errors started until day_end_
+  Stamp day_end_;
+  bool is_used_up_ = false;          // an error came beyond `per_day`
+  std::uint64_t left_out_ = 0;       // errors in no capture
   std::set<std::string> kinds_;      // kinds with a protected first capture
   std::vector<std::string> firsts_;  // paths of protected captures
   std::string trouble_;              // error of the newest capture; empty: none

@@ -22,7 +22,7 @@ namespace {
 namespace asio = boost::asio;
 using Local = asio::local::stream_protocol;
 
-constexpr const char* service_socket = "/run/lidard/control";
+constexpr const char* service_folder = "/run/lidard";
 constexpr std::size_t longest_question = 64;
 /// Time limit of a connection.
 constexpr auto patience = std::chrono::seconds(2);
@@ -38,20 +38,24 @@ std::string environment(const char* name) {
 
 }  // namespace
 
-std::string runtime_socket_path() {
-  if (std::string path = environment("LIDARD_SOCKET"); !path.empty()) return path;
+std::string runtime_folder() {
   // Several folders are separated by colons (systemd.exec(5)).
   const std::string runtime = environment("RUNTIME_DIRECTORY");
-  if (!runtime.empty()) return runtime.substr(0, runtime.find(':')) + "/control";
+  if (!runtime.empty()) return runtime.substr(0, runtime.find(':'));
   const std::string user = environment("XDG_RUNTIME_DIR");
-  return user.empty() ? service_socket : user + "/lidard/control";
+  return user.empty() ? service_folder : user + "/lidard";
+}
+
+std::string runtime_socket_path() {
+  const std::string path = environment("LIDARD_SOCKET");
+  return path.empty() ? runtime_folder() + "/control" : path;
 }
 
 std::string running_socket_path() {
   std::string own = runtime_socket_path();
   if (!environment("LIDARD_SOCKET").empty() || access(own.c_str(), F_OK) == 0) return own;
   // A user's session has XDG_RUNTIME_DIR, the service has not.
-  return service_socket;
+  return std::string(service_folder) + "/control";
 }
 
 /// One request and its answer. The object keeps itself alive until the answer is sent or the time limit

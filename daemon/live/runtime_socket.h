@@ -10,8 +10,10 @@
 
 namespace lidard {
 
-/// The path of a daemon's runtime socket: $LIDARD_SOCKET, or `control` in $RUNTIME_DIRECTORY (systemd), else
-/// in $XDG_RUNTIME_DIR/lidard, else in /run/lidard.
+/// A daemon's folder for what lives as long as it runs: $RUNTIME_DIRECTORY (systemd), else
+/// $XDG_RUNTIME_DIR/lidard, else /run/lidard.
+std::string runtime_folder();
+/// The path of a daemon's runtime socket: $LIDARD_SOCKET, or `control` in the runtime folder.
 std::string runtime_socket_path();
 /// The socket of the running daemon: the path above, or that of the service if no socket exists there.
 std::string running_socket_path();

@@ -10,10 +10,11 @@
 namespace lidard {
 namespace {
 
+constexpr Span another_clock = std::chrono::seconds(10);
+
 /// A stamp that shows a frame's age. Stamps that are far from the time at hand are of another clock, a bag's
 /// or a simulator's: then the arrival counts.
 Stamp comparable(Stamp stamp, Stamp now) {
-  constexpr Span another_clock = std::chrono::seconds(10);
   return now - stamp > another_clock || stamp - now > another_clock ? now : stamp;
 }
 
@@ -61,7 +62,11 @@ std::optional<MergeMoment> MergeSources::due(Stamp now) {
     return std::nullopt;
   due_since_.reset();
   if (!lacks_poses || !drops) {
-    moment.at = stamps_.next(moment.at);
+    // What is held back waits for the next sweep, whichever source it comes from.
+    const bool was_held_back = std::exchange(is_held_back_, !advances(moment.at, last_instant_));
+    if (is_held_back_ && !was_held_back) ++counters.held_back;
+    if (is_held_back_) return std::nullopt;
+    last_instant_ = moment.at;
     return moment;
   }
   gate_.left_out("on_missing_motion: drop, and poses of the vehicle are missing");
@@ -73,13 +78,15 @@ std::optional<MergeMoment> MergeSources::due(Stamp now) {
 MergeMoment MergeSources::moment_of(Stamp now) {
   MergeMoment moment;
   const std::vector<char>& use = scheduler_.usable(now);
-  std::optional<Stamp> first, newest;
+  std::optional<Stamp> first, newest, oldest;
   for (std::size_t s = 0; s < use.size(); ++s) {
     const auto& times = times_[s];
     if (use[s] == 0 || !times) continue;
     first = std::max(first.value_or(times->first), times->first);
     newest = std::max(newest.value_or(times->last()), times->last());
+    oldest = std::min(oldest.value_or(times->first), times->first);
   }
+  apart_ = first ? *first - *oldest : Span(0);
   const PoseTrack* const track = poses_.track();
   moment.at = first.value_or(now);
   if (newest && track != nullptr && !track->empty()) {
@@ -133,7 +140,7 @@ void MergeSources::forget() {
 void MergeSources::restart() {
   times_.assign(times_.size(), std::nullopt);
   scheduler_.reset();
-  stamps_.reset();
+  last_instant_ = {};
   due_since_.reset();
 }
 
@@ -188,7 +195,12 @@ void MergeSources::describe_states(DiagnosticItem& item, Stamp now, bool startin
     awaited = awaited && seen != SourceState::lost;
   }
   item.add("Sources lost", lost);
-  if (starting || item.health != Health::ok || (lost.empty() && silent.empty())) return;
+  if (starting || item.health != Health::ok) return;
+  if (apart_ > another_clock)
+    item.set(Health::warn, fmt::format("merges scans whose stamps are {:.0f} s apart; let all sources follow "
+                                       "one clock, a simulator's (/use_sim_time) or this computer's",
+                                       seconds(apart_)));
+  if (lost.empty() && silent.empty()) return;
   item.set(lost.empty() ? Health::warn : Health::error,
            "publishing without " + (lost.empty() ? silent + ", whose sweeps are too old" : lost));
   if (!delivers) item.message = "no output, since no source delivers: see the state of its sensors";

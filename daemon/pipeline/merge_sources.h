@@ -66,9 +66,11 @@ class MergeSources {
   std::vector<SourceState> reported_;
   std::vector<unsigned> outputs_without_;  // since the last one with the source
   std::vector<SourceUse> uses_;
-  SteadyStamps stamps_;
+  Stamp last_instant_{};
+  Span apart_{0};  // between the sources of the newest output
   PoseGate gate_;
   std::optional<Stamp> due_since_;  // an output that waits for poses
+  bool is_held_back_ = false;       // the output that is due shows no newer instant than the last one
 };
 
 }  // namespace lidard

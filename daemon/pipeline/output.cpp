@@ -65,6 +65,7 @@ DiagnosticItem health_of(const std::string& name, const OutputCounters& counters
   }
   item.awaited = counters.published == 0;
   item.add("Published", counters.published);
+  item.add("Held back without a newer instant", counters.held_back);
   item.add("Inputs without pose", counters.no_pose);
   return item;
 }

@@ -135,11 +135,18 @@ std::unique_ptr<Output> make_output(const MergedScanConfig& config, const Output
 std::unique_ptr<Output> make_output(const MergedCloudConfig& config, const OutputContext& context);
 std::unique_ptr<Output> make_output(const VirtualScanConfig& config, const OutputContext& context);
 
+/// False for an output of an instant that would show what the last one did. Stamps that stand still are 1 ns
+/// apart (SteadyStamps); after a jump back the input has begun again.
+inline bool advances(Stamp instant, Stamp last) {
+  return instant > last + std::chrono::microseconds(1) || last - instant >= restart_limit;
+}
+
 /// What one output did since the start.
 struct OutputCounters {
   std::uint64_t published = 0;
-  std::uint64_t no_pose = 0;  ///< inputs not used because the pose of a frame was not known
-  std::string why_no_pose;    ///< the newest reason
+  std::uint64_t held_back = 0;  ///< outputs not published, since they would show the former instant again
+  std::uint64_t no_pose = 0;    ///< inputs not used because the pose of a frame was not known
+  std::string why_no_pose;      ///< the newest reason
   Stamp last_published{};
   double most_silence = 3;  ///< s without an output that are no error
 };

@@ -133,7 +133,11 @@ void Pipeline::sensor_message(const std::string& name, Message& message, Stamp r
   advance(received);
   for (const auto& sensor : sensors_) {
     const SensorConfig& config = sensor->config();
-    if (config.name == name && (config.model != nullptr) == with_driver) sensor->receive(message, received);
+    if (config.name != name || (config.model != nullptr) != with_driver) continue;
+    if constexpr (with_driver)
+      sensor->receive_message(message, received);
+    else
+      sensor->receive(message, received);
   }
 }
 
@@ -151,14 +155,14 @@ void Pipeline::cloud_message(const std::string& sensor, Cloud& cloud, Stamp rece
 
 void Pipeline::pose_message(Stamp stamp, const Pose& pose, const std::string& child, Stamp received) {
   advance(received);
-  motion_.add_pose(stamp, pose, child, received);
+  motion_.add_pose(motion_.placed(stamp, received + sensor_context_.messages_ahead), pose, child, received);
   advance_to(received);
 }
 
 void Pipeline::turn_message(Stamp stamp, const Eigen::Vector3d& rates, const std::string& frame,
                             Stamp received) {
   advance(received);
-  motion_.add_turn(stamp, rates, frame, received);
+  motion_.add_turn(motion_.placed(stamp, received + sensor_context_.messages_ahead), rates, frame, received);
   advance_to(received);
 }
 

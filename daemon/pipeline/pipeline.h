@@ -19,6 +19,8 @@ namespace lidard {
 class MessageReceiver {
  public:
   virtual ~MessageReceiver() = default;
+  /// By how much the clock that stamps the messages from now on is ahead of the arrivals: a simulator's.
+  virtual void set_message_clock(Span ahead) = 0;
   /// A packet of a sensor with `packet_topic:`; its `arrival` is that at the node that received it.
   virtual void packet_message(const std::string& sensor, const Packet& packet, Stamp received) = 0;
   /// A message of a `topic:` source.
@@ -96,6 +98,7 @@ class Pipeline final : public MessageReceiver {
   /// A scan that the worker for clouds hands over.
   void handed_over(std::size_t source, const PlanarScan& scan, Stamp received);
 
+  void set_message_clock(Span ahead) override { sensor_context_.messages_ahead = ahead; }
   void packet_message(const std::string& sensor, const Packet& packet, Stamp received) override;
   void scan_message(const std::string& sensor, PlanarScan& scan, Stamp received) override;
   void cloud_message(const std::string& sensor, Cloud& cloud, Stamp received) override;

@@ -32,11 +32,13 @@ struct SensorReport {
   bool seen = false;                     ///< data was received
   Stamp last_arrival;                    ///< of data
   std::optional<Stamp> last_telemetry;   ///< of telemetry
-  std::string link_trouble;  ///< while silent: a fault of its connection or this host's network; empty: none
-  std::string link_hint;     ///< while silent: a possible cause there
-  std::string other_model;   ///< the model of packets of another model; empty: unknown
-  bool starting = false;     ///< the first second after the start: silence is no fault yet
-  Reception recent, whole;   ///< of the last 10 s, and since the start
+  std::string link_trouble;   ///< while silent: a fault of its connection or this host's network; empty: none
+  std::string link_hint;      ///< while silent: a possible cause there
+  std::string other_model;    ///< the model of packets of another model; empty: unknown
+  std::string clock_trouble;  ///< stamps of its topic are another clock's; empty: they are not
+  std::uint64_t stamps_replaced = 0;  ///< of its topic
+  bool starting = false;              ///< the first second after the start: silence is no fault yet
+  Reception recent, whole;            ///< of the last 10 s, and since the start
 };
 
 /// The output on one topic or to one file.

@@ -87,6 +87,17 @@ void Sensor::receive(const Packet& packet, Stamp received) {
   apply_connection_request();
 }
 
+Span Sensor::correction_of(Stamp stamp, Span lasts, Stamp received) {
+  const Stamp wanted = stamp + config_.driver.time_offset;
+  return topic_clock_.place(wanted, lasts, received + context_.messages_ahead) - stamp;
+}
+
+void Sensor::receive_message(Packet packet, Stamp received) {
+  const Span correction = correction_of(packet.arrival, Span(0), received);
+  packet.arrival = packet.arrival + correction - config_.driver.time_offset;  // which the driver adds
+  receive(packet, received);
+}
+
 void Sensor::receive_recorded(Packet chunk) {
   if (connection_.pick(chunk)) receive(chunk, chunk.arrival);
 }
@@ -200,7 +211,8 @@ void Sensor::receive(PlanarScan& scan, Stamp received) {
   if (violation(scan) != nullptr) return topic_counters_.reject(Reject::field);
   ++topic_counters_.frames;
   watch_.scan(scan);
-  scan.stamp = scan.stamp + config_.driver.time_offset;
+  const Span lasts = has_usable_times(scan) ? times_of(scan).last() - scan.stamp : Span(0);
+  scan.stamp = scan.stamp + correction_of(scan.stamp, lasts, received);
   // The configured pose counts whatever frame the message names.
   if (config_.pose) scan.frame_id = config_.frame_id;
   notice_shape(scan);
@@ -213,8 +225,9 @@ void Sensor::receive(Cloud& cloud, Stamp received) {
   ++topic_counters_.packets;
   ++topic_counters_.frames;
   watch_.cloud(cloud);
-  cloud.stamp = cloud.stamp + config_.driver.time_offset;
-  cloud.end = cloud.end + config_.driver.time_offset;
+  const Span correction = correction_of(cloud.stamp, std::max(Span(0), cloud.end - cloud.stamp), received);
+  cloud.stamp = cloud.stamp + correction;
+  cloud.end = cloud.end + correction;
   if (config_.pose) cloud.frame_id = config_.frame_id;
   feed(cloud);
 }
@@ -281,6 +294,8 @@ SensorReport Sensor::report() const {
     report.link_hint = context_.connections->hint(place_);
   }
   report.other_model = other_model_.sentence();
+  report.clock_trouble = topic_clock_.trouble(where_from(config_), true);
+  report.stamps_replaced = topic_clock_.replaced();
   report.recent = watch_.recent();
   report.whole = watch_.whole();
   return report;

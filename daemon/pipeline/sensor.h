@@ -21,6 +21,7 @@
 #include "daemon/pipeline/reception.h"
 #include "daemon/pipeline/report.h"
 #include "daemon/pipeline/sensor_health.h"
+#include "daemon/pipeline/topic_clock.h"
 #include "daemon/pipeline/vehicle_motion.h"
 #include "drivers/address.h"
 #include "drivers/capture/pcap_source.h"
@@ -52,6 +53,7 @@ struct SensorContext {
   VehicleMotion& motion;
   DeviceConnections* connections = nullptr;  ///< nullptr, as in replay: requests are dropped
   Stamp now{};
+  Span messages_ahead{0};  ///< of the arrivals: the clock that stamps messages
 };
 
 /// One sensor: its driver, its connection, the reception of its data and the outputs of its frames.
@@ -76,6 +78,8 @@ class Sensor final : public DriverOutput {
   }
   /// Accepts a packet of this sensor or a chunk of its connection.
   void receive(const Packet& packet, Stamp received);
+  /// Accepts a packet that another node received and stamped.
+  void receive_message(Packet packet, Stamp received);
   /// Accepts a chunk of one of its connections in a capture; one connection at a time is used.
   void receive_recorded(Packet chunk);
   void connected(Stamp now);
@@ -122,6 +126,8 @@ class Sensor final : public DriverOutput {
 
   /// Applies the driver's last connection request.
   void apply_connection_request();
+  /// What to add to the stamps of a message, which begins at `stamp` and lasts for `lasts`.
+  Span correction_of(Stamp stamp, Span lasts, Stamp received);
   /// Records the arrival of data.
   void notice_data(Stamp received);
   /// Stores the geometry; logs a changed number of beams.
@@ -170,6 +176,7 @@ class Sensor final : public DriverOutput {
   std::optional<Stamp> last_telemetry_;
   Health silence_ = Health::ok;
   Counters topic_counters_;  // without a driver
+  TopicClock topic_clock_;   // of messages
   ReceptionWatch watch_;
   OtherModel other_model_;
   PlanarScan shape_;                                                 // geometry of the last scan with beams

@@ -90,6 +90,8 @@ void judge_data(const SensorConfig& config, const SensorReport& report, Diagnost
   } else if (c.packets > 0 && c.rejected_total() == c.packets) {
     item.set(Health::error,
              "no packet could be used: rejected " + rejected_text(c) + "; is it the configured model?");
+  } else if (!report.clock_trouble.empty() && verdict.health != Health::error) {
+    item.set(Health::warn, report.clock_trouble);
   } else if (verdict.health != Health::ok) {
     item.set(verdict.health,
              verdict.figures + " in the last " + window_text(report.recent) + "; " + verdict.remedy);
@@ -167,6 +169,8 @@ DiagnosticItem sensor_health(const SensorConfig& config, const SensorReport& rep
   };
   for (const auto& counter : usual_counters) count(counter);
   item.add("Rejected", rejected_text(c));
+  if (!config.topic.empty() || !config.packet_topic.empty())
+    item.add("Stamps replaced", report.stamps_replaced);
   for (const auto& counter : trouble_counters) count(counter);
   if (report.filter) item.add("Filter", filter_text(*report.filter));
   if (report.gate) report.gate->describe(item);

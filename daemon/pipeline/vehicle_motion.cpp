@@ -79,6 +79,8 @@ void VehicleMotion::note_poses(Stamp now) {
 std::string VehicleMotion::trouble(Stamp now) const {
   if (track_.empty())
     return "no pose of the vehicle yet, so scans are not deskewed; see that odometry is published";
+  const std::string& topic = vehicle_.odometry_topic.empty() ? vehicle_.imu_topic : vehicle_.odometry_topic;
+  if (std::string clocks = topic_clock_.trouble("topic " + topic, false); !clocks.empty()) return clocks;
   const bool data_live = data_ && seconds(now - data_->arrival) < data_live_s;
   if (!data_live) {
     const bool pose_live = pose_ && seconds(now - pose_->arrival) < longest_lag_s;
@@ -112,6 +114,7 @@ std::optional<DiagnosticItem> VehicleMotion::diagnostics(Stamp now) const {
   if (!vehicle_.speed_topic.empty()) item.add("Turn rates without speed", without_speed_);
   if (!track_.empty() && data_)
     item.add("Scans ahead of poses (s)", std::to_string(seconds(data_->stamp - track_.newest())));
+  item.add("Stamps replaced", topic_clock_.replaced());
   item.add("Out of order", track_.out_of_order() + reckoning_.refused());
   return item;
 }

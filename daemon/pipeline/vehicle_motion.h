@@ -10,6 +10,7 @@
 #include "daemon/config/config.h"
 #include "daemon/pipeline/frame_tree.h"
 #include "daemon/pipeline/sink.h"
+#include "daemon/pipeline/topic_clock.h"
 
 namespace lidard {
 
@@ -23,6 +24,8 @@ class VehicleMotion {
   /// Call after `vehicle` or the frames have changed.
   void configure();
 
+  /// The stamp of a message, or what replaces it; `arrival`: by the clock that stamps messages.
+  Stamp placed(Stamp stamp, Stamp arrival) { return topic_clock_.place(stamp, Span(0), arrival); }
   /// Adds new poses from tf.
   void poll(Stamp now);
   /// Adds a pose of `child` (empty: base_frame) in the odometry's frame.
@@ -57,6 +60,7 @@ class VehicleMotion {
   const VehicleConfig& vehicle_;
   TransformSource& transforms_;
   FrameTree& frames_;
+  TopicClock topic_clock_;
   PoseTrack track_;
   DeadReckoning reckoning_;
   std::vector<StampedPose> new_poses_;

@@ -59,6 +59,8 @@ class VirtualOutput final : public Output {
     add_clouds(single_, moves ? motion_.instant() : cloud.stamp, now);
   }
   void add_clouds(const std::vector<PlacedCloud>& clouds, Stamp instant, Stamp now) override {
+    if (!advances(instant, last_instant_)) return void(++counters_.held_back);
+    last_instant_ = instant;
     if (clouds.size() != cloud_poses_.size()) {
       cloud_poses_.resize(clouds.size());
       set_up();
@@ -74,6 +76,10 @@ class VirtualOutput final : public Output {
   void set_scan(const OutputScanConfig& wanted) override {
     config_.output = wanted;
     set_up();
+  }
+  void restart() override {
+    last_instant_ = {};
+    for (SteadyStamps& stamps : stamps_) stamps.reset();
   }
   bool publishes(const std::string& topic) const override {
     for (const auto& of_frame : topics_) {
@@ -162,6 +168,7 @@ class VirtualOutput final : public Output {
   std::vector<PlanarScan> scans_;  // the first is the entry's own, then those of `also`
   std::vector<VirtualScan> outputs_;
   std::vector<std::vector<const OutputTopic*>> topics_;  // of scans_, for each frame
+  Stamp last_instant_{};                                 // of the clouds
   std::vector<SteadyStamps> stamps_;                     // one for all where the frames share a topic
   std::vector<std::string>
       why_unplaced_;  // why the newest cloud could not be seen from a frame; empty: it could

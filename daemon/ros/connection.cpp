@@ -144,6 +144,10 @@ void RosConnection::judge_own_status(DiagnosticItem& item) const {
     item.set(Health::error, fmt::format("the thread that talks to the ROS master has stood still for {:.1f} "
                                         "s; check roscore",
                                         seconds(calls)));
+  } else if (name_.lacks_files()) {
+    item.set(
+        Health::error,
+        "ROS cannot start: too many files are open; raise the limit (LimitNOFILE= of the unit, `ulimit -n`)");
   } else if (!master_asked_) {
     item.message = "asking the master";
   } else if (!master_present_) {

@@ -2,12 +2,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/ros/session.h"
 
+#include <ros/time.h>
+
 #include <utility>
 
 #include "daemon/config/workers.h"
+#include "daemon/pipeline/pipeline.h"
 #include "daemon/ros/in/inputs.h"
 #include "daemon/ros/in/output_items.h"
 #include "daemon/ros/in/tf_poses.h"
+#include "daemon/ros/messages/convert.h"
 #include "daemon/ros/out/publisher_thread.h"
 
 namespace lidard {
@@ -51,7 +55,15 @@ RosSession::RosSession(const Config& config, const RosOptions& options)
 TransformSource& RosSession::poses() { return *poses_; }
 
 void RosSession::feed(const Config& config, RosPost post) {
-  post_ = std::move(post);
+  post_ = [post = std::move(post), clock = clock_step_](Worker worker, const RosTask& task) {
+    // In a simulation (/use_sim_time) messages are stamped by /clock, which may not have come yet.
+    const ros::Time simulated = ros::Time::isSimTime() ? ros::Time::now() : ros::Time();
+    post(worker, [=](MessageReceiver& to, Stamp received) {
+      const Stamp now = simulated.isZero() ? received : clock->steady(from_ros(simulated));
+      to.set_message_clock(now - received);
+      task(to, received);
+    });
+  };
   renew(nullptr, config);
 }
 

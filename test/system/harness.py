@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the lidard authors
 # SPDX-License-Identifier: BSD-3-Clause
 """What the system tests share: the programs under test, a private ROS master, ports, a wait with a limit."""
+import atexit
 import contextlib
 import ctypes
 import datetime
@@ -9,6 +10,7 @@ import mmap
 import os
 import pathlib
 import re
+import shutil
 import signal
 import socket
 import struct
@@ -31,6 +33,9 @@ LIBC = ctypes.CDLL(None, use_errno=True)
 NEW_NETWORK = 0x40000000  # CLONE_NEWNET of sched.h
 # Daemons of the tests are not to be found where one of this machine is asked.
 os.environ["LIDARD_SOCKET"] = f"{tempfile.gettempdir()}/lidard-test-{os.getpid()}.control"
+# Nor do daemons of tests side by side, whose masters may have one port, keep each other's node name.
+os.environ["XDG_RUNTIME_DIR"] = tempfile.mkdtemp(prefix="lidard-test-run-")
+atexit.register(shutil.rmtree, os.environ["XDG_RUNTIME_DIR"], ignore_errors=True)
 
 WALL = "wall: {from: [4, -30], to: [4, 30], z: [-5, 5]}"
 

@@ -4,8 +4,8 @@
 """An hour of a black box in short: six lidars, three incidents a minute, a dump every five minutes. Each error lies in a capture
 with all of its minute, the first capture of each kind of error stays, and the memory stays as it is after the first minute.
 
-    test_black_box_hour.py [SECONDS]     default 45, with a "minute" of 12 s; from 300 on with a minute of 60 s; 3600 for a release;
-                                         with LIDARD, LIDARD_SIM and LIDARD_SOURCE_DIR set as ctest does
+    test_black_box_hour.py [SECONDS]     default 240; 3600 for a release; with LIDARD, LIDARD_SIM and LIDARD_SOURCE_DIR set as
+                                         ctest does
 """
 import contextlib
 import datetime
@@ -130,8 +130,8 @@ def drive(daemon, simulators, captures, seconds, minute):
 
 
 def main():
-    seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 45
-    minute, megabytes = (60, 256) if seconds >= 300 else (12, 128)
+    seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 240
+    minute, megabytes = 60, 256  # captures come a minute apart at least
     port = free_port()
     use_master_at(port)
     with folder() as tmp, ros_master(port), contextlib.ExitStack() as stack:

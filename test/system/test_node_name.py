@@ -96,6 +96,38 @@ def foreign_call(master, daemon, scans):
     expect(daemon.poll() is None, "the daemon lives after four calls of shutdown")
 
 
+# Another user of the computer: takes the address and each file that could be the lock, as far as permitted.
+BLOCKER = """\
+import fcntl, pathlib, socket, sys, time
+taken = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+taken.bind("\\0lidard/lidard@" + sys.argv[2])
+kept, below = [], pathlib.Path(sys.argv[1])
+for path in [*below.rglob("*"), below / "lidard/node%2Flidard.lock"]:
+    try:
+        kept.append(path.open("a" if not path.exists() else "r"))
+        fcntl.flock(kept[-1], fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        pass
+print("blocks", len(kept), flush=True)
+time.sleep(600)
+"""
+
+
+def local_user(vehicle):
+    """A user without rights does not keep the daemon from its name."""
+    if os.geteuid() != 0:
+        return
+    os.chmod(os.environ["XDG_RUNTIME_DIR"], 0o755)
+    blocker = ["setpriv", "--reuid=65534", "--regid=65534", "--clear-groups", "/usr/bin/python3", "-c", BLOCKER,
+               os.environ["XDG_RUNTIME_DIR"], os.environ["ROS_MASTER_URI"]]
+    for _ in range(2):  # the second time the file is there already
+        with process(blocker, stdout=subprocess.PIPE, text=True) as other, vehicle.daemon(vehicle.config) as (daemon, log):
+            expect(other.stdout.readline() == "blocks 0\n", "another user opened a file of the runtime folder")
+            wait_for(lambda: "publishing as /lidard" in log.read_text(), 10, f"the daemon has its name:\n{log.read_text()}")
+            expect(daemon.poll() is None and "another" not in log.read_text(), log.read_text())
+    print("another user of the computer cannot take the name")
+
+
 def both_wait(vehicle, master_port):
     """The first one stays also where there is no master yet, and keeps its port."""
     with vehicle.daemon(vehicle.config) as (a, log_a):
@@ -190,6 +222,7 @@ def main():
                 rival(vehicle, master, 1, stays=True)
                 rival(vehicle, master, 9, stays=False)
                 elsewhere(vehicle)
+                local_user(vehicle)
             both_wait(vehicle, master_port)
     print("ok")
 

@@ -2,14 +2,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/ros/master/node_name.h"
 
-#include <sys/socket.h>
-#include <sys/un.h>
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
-#include <cstddef>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
 #include <random>
 #include <utility>
 
+#include "daemon/live/runtime_socket.h"
 #include "daemon/pipeline/log.h"
 
 namespace lidard {
@@ -21,17 +25,29 @@ constexpr auto stop_window = std::chrono::seconds(10);
 constexpr std::size_t many_stops = 3;
 constexpr Span longest_pause = std::chrono::seconds(1);
 
-/// Binds a socket to an address of the kernel's own namespace (unix(7), abstract), which no second socket of
-/// this computer gets, and which the kernel frees when the process ends. -1: another process has it.
-int bind_lock(const std::string& node, const std::string& master_uri) {
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  const std::size_t length =
-      ("lidard" + node + "@" + master_uri).copy(address.sun_path + 1, sizeof address.sun_path - 1);
-  const int fd = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + length);
-  if (fd < 0 || bind(fd, reinterpret_cast<const sockaddr*>(&address), size) == 0) return fd;
+/// The file of the lock, in a folder where nobody else may write.
+std::string lock_file(const std::string& node, const std::string& master_uri) {
+  constexpr std::size_t longest_name = 250;  // NAME_MAX is 255
+  std::string name = "node" + node + "@" + master_uri;
+  for (std::size_t at = 0; (at = name.find('/', at)) != std::string::npos;) name.replace(at, 1, "%2F");
+  return runtime_folder() + "/" + name.substr(0, longest_name) + ".lock";
+}
+
+/// Opens the file and locks it; -1 with errno: EWOULDBLOCK if another process has the lock. A process that
+/// may open a file can hold its lock: a link, and a file that others made or may open, decide nothing
+/// (EPERM).
+int lock_of(const std::string& file) {
+  std::error_code ignored;
+  std::filesystem::create_directories(std::filesystem::path(file).parent_path(), ignored);
+  const int fd = open(file.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, 0600);
+  struct stat is {};
+  if (fd < 0 || fstat(fd, &is) != 0) return -1;
+  constexpr mode_t others = S_IRWXG | S_IRWXO;
+  const bool is_ours = S_ISREG(is.st_mode) && is.st_uid == geteuid() && (is.st_mode & others) == 0;
+  if (is_ours && flock(fd, LOCK_EX | LOCK_NB) == 0) return fd;
+  const int error = is_ours ? errno : EPERM;
   close(fd);
+  errno = error;
   return -1;
 }
 
@@ -45,9 +61,17 @@ NodeName::~NodeName() {
 }
 
 bool NodeName::lock() {
-  if (lock_ >= 0) return true;
-  lock_ = bind_lock(node_, master_uri_);
-  if (lock_ < 0) return refuse("another daemon on this computer");
+  if (lock_ >= 0 || lockless_) return true;
+  const std::string file = lock_file(node_, master_uri_);
+  lock_ = lock_of(file);
+  const int error = lock_ < 0 ? errno : 0;
+  if (error == EWOULDBLOCK) return refuse("another daemon on this computer");
+  lacks_files_ = error == EMFILE || error == ENFILE;
+  if (lacks_files_) return false;
+  if (error != 0)
+    log_warn("{}: {}; without this file the ROS master alone shows another daemon of the name {}", file,
+             std::strerror(error), node_);
+  lockless_ = error != 0;
   refused_since_.reset();
   return true;
 }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <deque>
 #include <mutex>
@@ -14,9 +15,10 @@
 namespace lidard {
 
 /// The right to a node name. The master ends the older registration of a name with each new one, so two
-/// daemons of one name would shut each other down for ever: the second one is refused. On one computer a lock
-/// decides, which is free when its process ends; across computers the master is asked whether a node of the
-/// name answers. Calls belong to the master thread, except conflict().
+/// daemons of one name would shut each other down for ever: the second one is refused. Of daemons with one
+/// runtime folder a locked file decides, which is free when its process ends; of others the master is asked
+/// whether a node of the name answers. Calls belong to the master thread, except conflict() and
+/// lacks_files().
 class NodeName {
  public:
   /// `master_uri`: nodes of one name at different masters do not meet.
@@ -25,8 +27,10 @@ class NodeName {
   NodeName(const NodeName&) = delete;
   NodeName& operator=(const NodeName&) = delete;
 
-  /// True if no other daemon of this computer has the name. After 3 s of trying there is a conflict.
+  /// True if no other daemon of this runtime folder has the name. After 3 s of trying there is a conflict.
   bool lock();
+  /// True if lock() failed because no more files may be opened.
+  bool lacks_files() const { return lacks_files_; }
   /// True if this process has the name, or no node of the name answers at the master. After 3 s of asking
   /// there is a conflict.
   bool is_free(MasterClient& master);
@@ -47,6 +51,8 @@ class NodeName {
 
   const std::string node_, master_uri_;
   int lock_ = -1;
+  bool lockless_ = false;  // the file cannot be opened
+  std::atomic<bool> lacks_files_{false};
   bool ours_ = false;
   std::optional<Clock::time_point> refused_since_;
   std::deque<Clock::time_point> foreign_stops_;

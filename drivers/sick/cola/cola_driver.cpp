@@ -139,6 +139,7 @@ class ColaDriver final : public DriverBase {
       clock_.restart();
       cloud_builder_.finish(out);
     }
+    if (!clock_.ready()) look_ahead(packet);
     const Verdict verdict = read_stream<ColaTelegram>(
         packet, stream_, [&](const ColaTelegram& telegram) { return handle(telegram, packet.arrival, out); });
     if (dialogue_.changed()) show_info();
@@ -209,6 +210,26 @@ class ColaDriver final : public DriverBase {
     show_info();
   }
 
+  /// The first read may hold several scans that waited for it: the newest one shows how late they are.
+  void look_ahead(const Packet& packet) {
+    const Counters before = counters_;
+    ColaStream ahead = stream_;
+    if (packet.stream_start || packet.missing > 0) ahead.interrupt();
+    ahead.add(packet.payload);
+    for (ColaTelegram telegram; ahead.next(telegram);) {
+      if (is_cola_scan(telegram) && parse_cola_scan(telegram, scan_) == Reject::none &&
+          apply_geometry() == Reject::none)
+        observe(packet.arrival);
+    }
+    clock_.repeat();
+    counters_ = before;
+  }
+  /// The unwrapped start time of the scan.
+  Span observe(Stamp arrival) {
+    const Span rest = row_.stamp == ColaStamp::last_beam ? Span(0) : geometry_.sweep();
+    return clock_.observe(scan_.start_us, scan_.transmit_us, rest, arrival);
+  }
+
   /// True for a scan; LMDscandatamon is ignored if the device also sends LMDscandata, which it repeats.
   bool is_scan(const ColaTelegram& telegram) {
     if (!is_cola_scan(telegram)) return false;
@@ -231,11 +252,9 @@ class ColaDriver final : public DriverBase {
     if (reason != Reject::none) return reason;
     board_.update(Warning::raw_angles, row_.compensation != AngleCompensation::none && !compensation_, [] {
       return "the scanner's angles are raw, 0.2 degrees wrong at worst: its answer to 'sRN MCAngleCompSin' "
-             "is "
-             "missing; record the connection from its beginning, or update the scanner's firmware";
+             "is missing; record the connection from its beginning, or update the scanner's firmware";
     });
-    const Span rest = row_.stamp == ColaStamp::last_beam ? Span(0) : geometry_.sweep();
-    const Span start = clock_.observe(scan_.start_us, scan_.transmit_us, rest, arrival);
+    const Span start = observe(arrival);
     counters_.clock_steps = clock_.steps();
     follow_counters(start, arrival);
     const Span first = first_of_telegram(start);

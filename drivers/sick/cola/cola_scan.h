@@ -123,6 +123,8 @@ class ColaClock {
   /// Number of overflows (one per 71.6 min).
   std::uint64_t wraps() const { return wraps_; }
   const DeviceClock& clock() const { return clock_; }
+  /// The telegrams so far come once more; what they showed of the clock stays.
+  void repeat() { started_ = false; }
   /// Forgets the time of the device, which may have restarted; its drift stays known.
   void restart() {
     started_ = false;

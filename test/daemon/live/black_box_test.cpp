@@ -162,29 +162,64 @@ TEST_F(BlackBoxTest, ADumpNeitherEmptiesItNorHoldsUpAnIncident) {
 }
 
 TEST_F(BlackBoxTest, AnIncidentWithinThePauseIsWrittenWhenThePauseEndsAndNothingIsMissingBetween) {
+  config_.seconds = 60;
   BlackBox box = this->box();
   auto add_until = [&, from = 0](int to) mutable {
-    for (; from <= to; ++from) add(box, begin + milliseconds(100 * from), std::to_string(from));
+    for (; from <= to; ++from) add(box, begin + milliseconds(600 * from), std::to_string(from));
   };
   add_until(200);
-  box.incident(begin + std::chrono::seconds(15), "front: silent");
-  ASSERT_TRUE(writes(box, begin + std::chrono::seconds(20)));
-  for (const int at : {21, 24, 29}) {
+  box.incident(begin + std::chrono::seconds(115), "front: silent");
+  ASSERT_TRUE(writes(box, begin + std::chrono::seconds(120)));
+  for (const int at : {121, 144, 179}) {
     box.incident(begin + std::chrono::seconds(at), "front: silent");
     EXPECT_FALSE(writes(box, begin + std::chrono::seconds(at)));
   }
   add_until(300);
-  ASSERT_TRUE(writes(box, begin + std::chrono::seconds(30)));
-  box.incident(begin + std::chrono::seconds(39), "front: silent");
-  add_until(440);
-  EXPECT_FALSE(writes(box, begin + std::chrono::seconds(40)));
-  ASSERT_TRUE(writes(box, begin + std::chrono::seconds(44)));
+  ASSERT_TRUE(writes(box, begin + std::chrono::seconds(180)));
+  EXPECT_THAT(said_.back().second, testing::Not(HasSubstr("in no capture")));
+  box.incident(begin + std::chrono::seconds(239), "front: silent");
+  add_until(406);
+  EXPECT_FALSE(writes(box, begin + std::chrono::seconds(243)));
+  ASSERT_TRUE(writes(box, begin + std::chrono::seconds(244)));
   std::set<std::string> written;
   for (const fs::path& file : files())
     if (file.extension() == ".pcap")
       for (const std::string& payload : read_capture((folder_ / file).string()).payloads)
         written.insert(payload);
-  for (int i = 50; i <= 440; ++i) EXPECT_EQ(written.count(std::to_string(i)), 1U) << i;
+  // From a minute before the first incident on.
+  for (int i = 92; i <= 406; ++i) EXPECT_EQ(written.count(std::to_string(i)), 1U) << i;
+}
+
+TEST_F(BlackBoxTest, ErrorsThatComeAgainAndAgainStartOneCaptureAMinuteAndSoManyADay) {
+  config_.per_day = 70;
+  BlackBox box = this->box();
+  int captures = 0, first_hour = 0;
+  // A cable that drops out every 3 s, and another sensor every 7 s, for 30 hours.
+  for (int at = 0; at < 30 * 3600; ++at) {
+    const Stamp now = begin + std::chrono::seconds(at);
+    if (at % 3 == 0) add(box, now, "x");
+    if (at % 3 == 0) box.incident(now, "front: silent");
+    if (at % 7 == 0) box.incident(now, "rear: silent");
+    captures += writes(box, now) ? 1 : 0;
+    if (at == 3600) first_hour = captures;
+    if (at == 20 * 3600) {
+      EXPECT_EQ(captures, 70);
+      const DiagnosticItem item = *box.item();
+      EXPECT_EQ(item.health, Health::warn);
+      EXPECT_THAT(item.message, HasSubstr("70 captures within a day"));
+      EXPECT_THAT(item.message, HasSubstr("blackbox.per_day"));
+      EXPECT_EQ(item.values.at(0), std::make_pair(std::string("Captures within a day"), std::string("70")));
+      EXPECT_EQ(item.values.at(1).first, "Errors in no capture");
+      EXPECT_GT(std::stoi(item.values[1].second), 10'000);
+      EXPECT_NE(dump(box, now), "") << "by hand there is one";
+    }
+  }
+  EXPECT_EQ(first_hour, 60);
+  EXPECT_EQ(captures, 140) << "and so many on the next day";
+  // Captures of 10 s leave out what came before them within the minute.
+  EXPECT_THAT(said_.at(1).second, HasSubstr("errors before that are in no capture"));
+  EXPECT_EQ(std::count_if(said_.begin(), said_.end(), [](const auto& said) { return !said.first; }), 2)
+      << "once a day it is said that no more are written";
 }
 
 TEST_F(BlackBoxTest, WhatFailsWithoutAPacketIsNoCaptureAndNoTrouble) {

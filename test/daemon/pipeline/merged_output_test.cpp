@@ -57,6 +57,7 @@ TEST(MergedOutput, StampDoesNotDependOnTheOrderOfTheSources) {
 TEST(MergedOutput, AgeOfStampsOfAnotherClockCountsFromTheArrival) {
   PipelineBench bench(two_sources("deadline: 0.01"));
   const Span simulated = std::chrono::hours(200'000);
+  bench.pipeline.set_message_clock(-simulated);
   for (double at = 100; at <= 1000; at += 100) {
     for (const char* source : {"a", "b"})
       bench.give(source, round_scan(source, bench_begin + ms(at) - simulated, 5, 361, sweep_time),
@@ -126,8 +127,39 @@ TEST(MergedOutput, StampsDoNotGoBackOverAChange) {
   // Both scanners' stamps go 20 ms back, as after a correction of their clocks.
   for (const char* source : {"a", "b"})
     bench.give(source, round_scan(source, bench_begin + ms(400), 5, 361, sweep_time), bench_begin + ms(600));
+  EXPECT_EQ(bench.sink.count("m"), 1U) << "nothing newer is known";
+  sweep(bench, "a", ms(610));
+  sweep(bench, "b", ms(610));
   ASSERT_EQ(bench.sink.count("m"), 2U);
-  EXPECT_EQ(bench.sink.scans["m"].back().stamp, before + Span(1));
+  EXPECT_GT(bench.sink.scans["m"].back().stamp, before);
+}
+
+TEST(MergedOutput, WhatShowsNoNewerInstantIsNotPublishedAgainButCounted) {
+  PipelineBench bench(two_sources(""));
+  for (double at = 100; at <= 1000; at += 100) {
+    sweep(bench, "a", ms(at));
+    sweep(bench, "b", ms(at + 5));
+  }
+  const std::size_t before = bench.sink.count("m");
+  // Both are late, a by more: it is overdue first, and without it there is what b showed before.
+  for (double at = 1005; at < 1250; at += 5) bench.pipeline.tick(bench_begin + ms(at));
+  EXPECT_EQ(bench.sink.count("m"), before);
+  EXPECT_EQ(bench.value("merged m", "Held back without a newer instant", bench_begin + ms(1250)), "1");
+  sweep(bench, "b", ms(1255));
+  ASSERT_EQ(bench.sink.count("m"), before + 1) << "at once";
+  expect_near(bench.sink.scans["m"].back().stamp, bench_begin + ms(1255) - sweep_time);
+}
+
+TEST(MergedOutput, ARateBeyondThatOfTheSourcesRepeatsNothing) {
+  PipelineBench bench(two_sources("rate: 40"));
+  for (double at = 100; at <= 2000; at += 5) {
+    if (std::fmod(at, 100) == 0) sweep(bench, "a", ms(at));
+    if (std::fmod(at, 100) == 50) sweep(bench, "b", ms(at));
+    bench.pipeline.tick(bench_begin + ms(at));
+  }
+  const auto& scans = bench.sink.scans["m"];
+  EXPECT_NEAR(static_cast<double>(scans.size()), 38, 2) << "each sweep once";
+  for (std::size_t i = 1; i < scans.size(); ++i) EXPECT_GE(scans[i].stamp - scans[i - 1].stamp, ms(49)) << i;
 }
 
 TEST(MergedOutput, StampsGoBackWithAnInputThatBeginsAgain) {

@@ -196,6 +196,7 @@ TEST(MergedPipeline, IsDeskewedByOdometryAndSaysWhenItIsNot) {
 /// does.
 DiagnosticItem motion_item(Span sweeps_before, Span poses_before, bool sweeps_go_on) {
   Vehicle vehicle("policy: complete", ", odometry_topic: /odom");
+  vehicle.pipeline.set_message_clock(-std::min(sweeps_before, poses_before));
   for (Span at = ms(0); at < ms(4000); at += ms(40)) {
     if (at < ms(2000))
       vehicle.pipeline.pose_message(begin + at - poses_before, Pose::Identity(), "", begin + at);
@@ -231,9 +232,7 @@ TEST(MergedPipeline, MotionIsJudgedByTheSweepsClockAlsoWhereThatIsNotTheTimeOfAr
 TEST(MergedPipeline, PosesOfAnotherClockThanTheSweepsAreNamed) {
   const Span hour = std::chrono::hours(1);
   const std::string old = motion_item(ms(0), hour, true).message;
-  EXPECT_NE(old.find("s older than the newest scan"), std::string::npos) << old;
-  const std::string ahead = motion_item(hour, ms(0), true).message;
-  EXPECT_NE(ahead.find("s newer than the newest scan"), std::string::npos) << ahead;
+  EXPECT_NE(old.find("3600.00 s behind this computer's clock"), std::string::npos) << old;
 }
 
 TEST(MergedPipeline, LeavesOutWhatItCannotDeskewIfThatIsWished) {

@@ -40,6 +40,7 @@ Child talker(const std::string& topic, const Message& message) {
 
 /// What the pipeline would get.
 struct Seen final : MessageReceiver {
+  void set_message_clock(Span) override {}
   std::vector<PlanarScan> scans;
   std::vector<Cloud> clouds;
   std::string sensor;

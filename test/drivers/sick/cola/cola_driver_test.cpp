@@ -443,5 +443,39 @@ TEST(ColaDriver, ATelegramWithoutDistancesIsRefusedWithAReason) {
   EXPECT_EQ(bench.scans.size(), 1U);
 }
 
+/// Makes the next `count` scans of a row and gives them to the driver in one read, 2 ms after the last one.
+void read_at_once(ColaBench& bench, int count) {
+  std::vector<std::uint8_t> bytes;
+  for (int i = 0; i < count; ++i) {
+    bench.now = bench.now + std::chrono::milliseconds(20);
+    bench.sample.start_us += 20'000;
+    bench.sample.transmit_us += 20'000;
+    ++bench.sample.telegram_counter;
+    ++bench.sample.scan_counter;
+    const auto telegram = bench.sample.bytes(bench.dialect);
+    bytes.insert(bytes.end(), telegram.begin(), telegram.end());
+  }
+  EXPECT_EQ(bench.send(bytes), Reject::none);
+}
+
+TEST(ColaDriver, ScansThatWaitedForOneReadKeepTheDevicesIntervals) {
+  for (const Cola dialect : {Cola::binary, Cola::text}) {
+    for (const int before : {0, 1, 50}) {
+      ColaBench bench;
+      bench.dialect = dialect;
+      for (int i = 0; i < before; ++i) bench.send_next();
+      read_at_once(bench, 7);
+      read_at_once(bench, 25);
+      bench.send_next();
+      ASSERT_EQ(bench.scans.size(), static_cast<std::size_t>(before) + 33);
+      for (std::size_t i = 1; i < bench.scans.size(); ++i)
+        EXPECT_NEAR(seconds(bench.scans[i].stamp - bench.scans[i - 1].stamp), 0.02, 1e-4)
+            << before << ": " << i;
+      EXPECT_EQ(bench.counters().packets, bench.scans.size());
+      EXPECT_EQ(bench.counters().rejected_total() + bench.counters().lost_packets, 0U);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace lidard::test

@@ -1,0 +1,44 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/pipeline/topic_clock.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+
+namespace lidard {
+namespace {
+
+/// Clocks that are kept by NTP in one network differ by less.
+constexpr Span clocks_differ = std::chrono::milliseconds(20);
+/// No message is on its way for longer.
+constexpr Span longest_way = std::chrono::seconds(10);
+/// A few stamps are wrong when the host's clock is set.
+constexpr int many_strikes = 6, most_strikes = 20;
+
+}  // namespace
+
+Stamp TopicClock::place(Stamp stamp, Span lasts, Stamp arrival) {
+  const Span ahead = stamp + lasts - arrival;
+  const bool is_foreign = ahead > clocks_differ || ahead < -longest_way;
+  strikes_ = std::clamp(strikes_ + (is_foreign ? 2 : -1), 0, most_strikes);
+  if (!is_foreign) return std::min(stamp, arrival - lasts);
+  ++replaced_;
+  ahead_ = ahead;
+  if (stamp <= newest_) clock_.reset();
+  newest_ = stamp;
+  clock_.observe(Span(stamp.ns) + lasts, arrival);
+  return std::min(clock_.to_host(Span(stamp.ns)), arrival - lasts);
+}
+
+std::string TopicClock::trouble(const std::string& source, bool has_offset) const {
+  if (strikes_ < many_strikes) return {};
+  const double s = seconds(ahead_);
+  return fmt::format(
+      "the stamps of {} are {:.2f} s {} this computer's clock, so they are placed by their arrival; "
+      "synchronise the clocks of both computers (chrony){}; of a bag or a simulator, set /use_sim_time",
+      source, std::abs(s), s > 0 ? "ahead of" : "behind",
+      has_offset ? fmt::format(" or set time_offset: {:.3f}", -s) : "");
+}
+
+}  // namespace lidard

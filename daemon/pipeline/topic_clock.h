@@ -1,0 +1,35 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "core/base/device_clock.h"
+#include "core/base/time.h"
+
+namespace lidard {
+
+/// Judges the stamps of another node's messages by their arrivals. What was measured after its arrival, or
+/// long before it, was stamped by a clock that is not this host's. What replaces it keeps the intervals of that clock and is
+/// placed by the arrivals, as the stamps of a device are; stamps that do not increase become the arrival.
+class TopicClock {
+ public:
+  /// The stamp, or what replaces it. `lasts`: from the stamp to the last measurement of the message;
+  /// `arrival`: by the clock that should have made the stamp.
+  Stamp place(Stamp stamp, Span lasts, Stamp arrival);
+  /// Stamps that were replaced.
+  std::uint64_t replaced() const { return replaced_; }
+  /// Why stamps are replaced again and again, with the remedy; empty: at most a few are. `source` names the
+  /// messages; `has_offset`: the configuration has a key time_offset for them.
+  std::string trouble(const std::string& source, bool has_offset) const;
+
+ private:
+  DeviceClock clock_;
+  Stamp newest_{};
+  Span ahead_{0};  // of the newest stamp that was replaced
+  std::uint64_t replaced_ = 0;
+  int strikes_ = 0;
+};
+
+}  // namespace lidard
