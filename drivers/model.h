@@ -60,6 +60,15 @@ MessageTopic message_topic(std::string_view name = Kind::topic) {
   return {name, message_kind<Kind>()};
 }
 
+/// Where a product measures as it is delivered, for what is said without its data: a device may be set to
+/// less.
+struct FieldOfView {
+  double first_deg = -180;  ///< azimuth of the first beam, counter-clockwise from ahead
+  double step_deg = 0;
+  std::size_t beams = 0;                 ///< of a plane; 0: not known
+  std::vector<double> elevations_deg{};  ///< of the rings of a multi-plane lidar, upwards
+};
+
 /// The properties of a product that the program needs outside of its family. Properties of the protocol (beam
 /// angles, firing times) are in the family's own table, at `row`.
 struct Model {
@@ -78,6 +87,7 @@ struct Model {
   double frame_period = 0;           ///< s, usual
   double range_min = 0, range_max = 0;  ///< m, constant in every scan
   std::size_t beams = 0;                ///< rings of a multi-plane lidar; 0: the packets show it
+  FieldOfView field{};
   Traits traits{};
   std::vector<MessageTopic> messages{};         ///< of DriverOutput::message()
   std::vector<std::string_view> extra_scans{};  ///< of DriverOutput::extra_scan()

@@ -266,6 +266,11 @@ Model spinning(const char* name, const char* product, const ModelRow& row, doubl
   model.range_min = 0.4;  // nearer returns are from the housing or the mounting (launch files of ros-drivers)
   model.range_max = range_max;
   model.beams = row.lasers;
+  model.field.beams = static_cast<std::size_t>(model.frame_period / seconds(row.timings.front().sequence));
+  model.field.step_deg = 360.0 / static_cast<double>(model.field.beams);
+  for (std::size_t k = 0; k < row.lasers; ++k)
+    model.field.elevations_deg.push_back(row.laser[k].elevation_deg);
+  std::sort(model.field.elevations_deg.begin(), model.field.elevations_deg.end());
   model.traits = {Trait::revolutions, Trait::calibration, Trait::packet_messages};
   // Of an HDL-64E S1 a column does not show which beams were fired.
   if (!row.bank_by_bank) model.traits.add({Trait::silent_beams_are_free});
