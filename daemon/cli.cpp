@@ -148,7 +148,8 @@ struct Commands {
     c->callback([this] { action = [this] { return run_inspect(captures, json, std::cout, std::cerr); }; });
   }
   void add_check() {
-    auto* c = app.add_subcommand("check", "Validates a configuration and prints it with all defaults, and what its scans can know");
+    auto* c = app.add_subcommand(
+        "check", "Validates a configuration and prints it with all defaults, and what its scans can know");
     c->add_option("file", config, "Configuration file")->required();
     c->add_flag("--ports", ports, "Print the sockets that the daemon opens instead, for firewalls");
     c->callback([this] {
@@ -200,7 +201,8 @@ struct Commands {
   }
   void add_snapshot() {
     auto* c = app.add_subcommand(
-        "snapshot", "Draws what the vehicle sees at one moment, from above; without a capture, what it can see");
+        "snapshot",
+        "Draws what the vehicle sees at one moment, from above; without a capture, what it can see");
     c->add_option("-c,--config", snapshot.config,
                   "Configuration file; default: the sensors found, all at the origin");
     add_captures(c, snapshot.captures)->required(false);

@@ -20,8 +20,8 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 /// Stands for any range, m.
 constexpr double far_m = 1e5;
 constexpr Span period = std::chrono::milliseconds(100);
-/// Enough for an output that waits for a source which never comes.
-constexpr int rounds = 8;
+/// Until an output no longer waits for a source that never comes.
+constexpr int rounds = 5;
 
 /// Where a sensor is in base_frame, for its driver.
 const Pose& place_of(const Model& model) { return *static_cast<const Pose*>(model.row); }
@@ -97,7 +97,11 @@ class FieldDriver final : public DriverBase {
       const double range = std::min(to_ground(direction), is_first_ ? known_from_m : infinite);
       if (!(range >= config_.model->range_min && range <= farthest_)) continue;
       const Eigen::Vector3f p = (range * direction).cast<float>();
-      CloudPoint point{p.x(), p.y(), p.z(), 0, static_cast<std::uint16_t>(ring),
+      CloudPoint point{p.x(),
+                       p.y(),
+                       p.z(),
+                       0,
+                       static_cast<std::uint16_t>(ring),
                        static_cast<float>(share * seconds(period))};
       const auto* bytes = reinterpret_cast<const std::uint8_t*>(&point);
       cloud_.points_bytes.insert(cloud_.points_bytes.end(), bytes, bytes + sizeof point);
@@ -136,33 +140,52 @@ bool gives_clouds(const SensorConfig& sensor, const Config& config) {
   });
 }
 
-void leave_out(Limit limit, Model& model, DriverConfig& driver) {
+/// At the one height of lidars and virtual scans, and level.
+Pose level(const Pose& pose) {
+  constexpr double height_m = 2;
+  return make_pose({pose.translation().x(), pose.translation().y(), height_m},
+                   {0, 0, std::atan2(pose.linear()(1, 0), pose.linear()(0, 0))});
+}
+
+bool does_hold(Limit limit, Limit holds) { return holds == Limit::all || holds == limit; }
+
+void free_from_limits(Limit holds, Model& model, DriverConfig& driver) {
   FieldOfView& field = model.field;
-  if (limit >= Limit::angles) {
+  if (!does_hold(Limit::angles, holds)) {
     field.beams = static_cast<std::size_t>(std::lround(360 / std::abs(field.step_deg)));
     field.first_deg = -180;
     driver.angle_min = driver.angle_max = std::nullopt;
     driver.view_width = two_pi;
   }
-  if (limit >= Limit::elevations && model.kind == FrameKind::cloud) {
-    field.elevations_deg.clear();
-    for (int deg = -89; deg <= 89; deg += 2) field.elevations_deg.push_back(deg);
+  if (!does_hold(Limit::elevations, holds) && model.kind == FrameKind::cloud) {
+    // All around.
+    field.elevations_deg = {-89.99, -1, -0.3, -0.1, -0.03, -0.01, 0.01, 0.03, 0.1, 0.3, 1, 89.99};
+    for (int deg = 3; deg < 90; deg += 3)
+      field.elevations_deg.insert(field.elevations_deg.end(), {-1.0 * deg, 1.0 * deg});
+    std::sort(field.elevations_deg.begin(), field.elevations_deg.end());
+    // So few columns suffice to have what the rings do not see.
+    const double turn = field.step_deg * static_cast<double>(field.beams);
+    field.step_deg = std::max(field.step_deg, 1.0);
+    field.beams = static_cast<std::size_t>(turn / field.step_deg);
   }
-  if (limit >= Limit::reach) model.range_max = far_m, driver.max_range = 0;
+  if (!does_hold(Limit::reach, holds)) model.range_max = far_m, driver.max_range = 0;
 }
 
-void leave_out(Limit limit, Config& config) {
+void free_from_limits(Limit holds, Config& config) {
   for (MergedScanConfig& merged : config.merged_scans) {
     for (auto& [name, source] : merged.source_settings) {
-      if (limit >= Limit::angles) source.angle_min = -infinite, source.angle_max = infinite;
-      if (limit < Limit::reach) continue;
+      if (!does_hold(Limit::angles, holds)) source.angle_min = -infinite, source.angle_max = infinite;
+      if (does_hold(Limit::reach, holds)) continue;
       source.range_min = 0;
       source.range_max = source.no_return_free_range = infinite;
     }
-    if (limit >= Limit::heights) merged.output.min_height = merged.output.max_height = std::nullopt;
+    if (!does_hold(Limit::heights, holds)) merged.output.min_height = merged.output.max_height = std::nullopt;
   }
-  for (VirtualScanConfig& group : config.virtual_scans)
-    if (limit >= Limit::reach) group.no_return_free_range = far_m;
+  for (VirtualScanConfig& group : config.virtual_scans) {
+    if (!does_hold(Limit::reach, holds)) group.no_return_free_range = far_m;
+    if (does_hold(Limit::elevations, holds)) continue;
+    for (auto& [frame, pose] : group.poses) pose = level(pose);
+  }
 }
 
 /// Leaves what the field has no part in: odometry, further topics, patience.
@@ -185,15 +208,15 @@ void simplify(Config& config) {
 
 }  // namespace
 
-EmptyField::EmptyField(const Config& config, Limit left_out) : config_(config), poses_(config, no_tf_) {
+EmptyField::EmptyField(const Config& config, Limit holds) : config_(config), poses_(config, no_tf_) {
   simplify(config_);
-  leave_out(left_out, config_);
-  for (SensorConfig& sensor : config_.sensors) set_up(sensor, left_out);
+  free_from_limits(holds, config_);
+  for (SensorConfig& sensor : config_.sensors) set_up(sensor, holds);
   play();
 }
 
-void EmptyField::set_up(SensorConfig& sensor, Limit left_out) {
-  const FrameKind kind = sensor.model != nullptr          ? sensor.model->kind
+void EmptyField::set_up(SensorConfig& sensor, Limit holds) {
+  const FrameKind kind = sensor.model != nullptr         ? sensor.model->kind
                          : gives_clouds(sensor, config_) ? FrameKind::cloud
                                                          : FrameKind::scan;
   const bool is_known = sensor.model != nullptr && sensor.model->field.beams > 0;
@@ -208,12 +231,15 @@ void EmptyField::set_up(SensorConfig& sensor, Limit left_out) {
       model.field.elevations_deg.push_back(laser.vert_correction * deg_per_rad);
     std::sort(model.field.elevations_deg.begin(), model.field.elevations_deg.end());
   }
-  leave_out(left_out, model, sensor.driver);
+  free_from_limits(holds, model, sensor.driver);
   Pose& place = places_.emplace_back(Pose::Identity());
   std::string why;
   const bool is_placed = poses_.find(config_.vehicle.base_frame, sensor.frame_id, Stamp{}, place, why);
   // Without a height there is no ground.
-  if (!is_placed || (left_out >= Limit::heights && kind == FrameKind::scan)) place = Pose::Identity();
+  if (!is_placed || !does_hold(kind == FrameKind::scan ? Limit::heights : Limit::elevations, holds))
+    place = Pose::Identity();
+  if (sensor.pose && kind == FrameKind::cloud && !does_hold(Limit::elevations, holds))
+    sensor.pose = level(*sensor.pose);
   model.row = &place;
   model.make = [](const DriverConfig& driver) -> std::unique_ptr<Driver> {
     return std::make_unique<FieldDriver>(driver);
@@ -243,9 +269,12 @@ void EmptyField::play() {
   pipeline.advance(now);
 }
 
-double EmptyField::lowest_elevation(const SensorConfig& sensor) const {
-  const auto& elevations = sensor.model->field.elevations_deg;
-  return elevations.empty() ? 0 : elevations.front() * rad_per_deg;
+double EmptyField::blind_range(const SensorConfig& lidar, const Pose& plane_from_lidar) {
+  const auto& elevations = lidar.model->field.elevations_deg;
+  const double height = plane_from_lidar.translation().z();
+  if (elevations.empty() || height == 0) return 0;
+  const double towards = (height > 0 ? -elevations.front() : elevations.back()) * rad_per_deg;
+  return towards > 0 ? std::abs(height) / std::tan(towards) : 0;
 }
 
 }  // namespace lidard

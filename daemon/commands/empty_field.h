@@ -12,8 +12,10 @@
 
 namespace lidard {
 
-/// What keeps sensors from seeing, in the order in which EmptyField leaves it out: each one with those before.
-enum class Limit : std::uint8_t { nothing, angles, elevations, heights, reach };
+/// Which limits of the sensors hold: all, one alone, or none. `heights`: the heights that count, and tilted
+/// scanners that meet the ground. Without `elevations` lidars and virtual scans are level at one height, so
+/// that no zone is blind. The vehicle's outline always holds.
+enum class Limit : std::uint8_t { all, angles, elevations, heights, reach, none };
 
 /// The frames of a configuration's sensors on level ground (z = 0 of base_frame) with nothing on it, and the
 /// merged and virtual scans that the pipeline makes of them.
@@ -27,7 +29,7 @@ enum class Limit : std::uint8_t { nothing, angles, elevations, heights, reach };
 /// as a usual one: a planar scanner of 270 degrees, or a lidar with 16 rings.
 class EmptyField {
  public:
-  explicit EmptyField(const Config& config, Limit left_out = Limit::nothing);
+  explicit EmptyField(const Config& config, Limit holds = Limit::all);
   EmptyField(const EmptyField&) = delete;
   EmptyField& operator=(const EmptyField&) = delete;
 
@@ -38,11 +40,12 @@ class EmptyField {
   const FrameTree& poses() const { return poses_; }
   /// Names of the sensors whose field of view is assumed.
   const std::vector<std::string>& assumed() const { return assumed_; }
-  /// rad, of the lowest ring of a sensor.
-  double lowest_elevation(const SensorConfig& sensor) const;
+  /// m along the plane from a lidar to where its first ring meets the plane, which is nearer than that in its
+  /// blind zone; 0: no ring meets it.
+  static double blind_range(const SensorConfig& lidar, const Pose& plane_from_lidar);
 
  private:
-  void set_up(SensorConfig& sensor, Limit left_out);
+  void set_up(SensorConfig& sensor, Limit holds);
   void play();
 
   Config config_;

@@ -32,7 +32,9 @@ BeamShares share_of(const PlanarScan& scan, Passes passes) {
       passing[part] += passes(i) ? 1 : 0;
     }
   }
-  const auto percent = [&](std::size_t part) { return beams[part] > 0 ? 100 * passing[part] / beams[part] : -1; };
+  const auto percent = [&](std::size_t part) {
+    return beams[part] > 0 ? 100 * passing[part] / beams[part] : -1;
+  };
   return {percent(0), percent(1)};
 }
 
@@ -51,15 +53,33 @@ class Inquiry {
 
   std::vector<FieldSight> run() {
     for (const MergedScanConfig& merged : config_.merged_scans) {
-      sights_.push_back({"merged_scans." + merged.name, merged.destination_frame,
-                         merged.scan_destination_topic, merged.has_visibility(), false, {}, {}});
-      sources_.emplace_back(merged.laserscan_topics.begin(), merged.laserscan_topics.end());
+      sights_.push_back({"merged_scans." + merged.name,
+                         merged.destination_frame,
+                         merged.scan_destination_topic,
+                         merged.has_visibility(),
+                         false,
+                         {},
+                         {}});
+      sensors_.emplace_back(merged.laserscan_topics.begin(), merged.laserscan_topics.end());
+      for (const VirtualScanConfig& group : config_.virtual_scans) {
+        const auto is_source = [&](const std::string& frame) {
+          return sensors_.back().count(group.topic(frame)) > 0;
+        };
+        if (std::any_of(group.virtual_laser_scan.begin(), group.virtual_laser_scan.end(), is_source))
+          add_lidars(group);
+      }
     }
     for (const VirtualScanConfig& group : config_.virtual_scans) {
       for (const std::string& frame : group.virtual_laser_scan) {
-        sights_.push_back({"virtual_scans." + group.name + "." + frame, frame, group.topic(frame),
-                           group.has_visibility(), false, {}, {}});
-        sources_.push_back({group.topic(frame)});
+        sights_.push_back({"virtual_scans." + group.name + "." + frame,
+                           frame,
+                           group.topic(frame),
+                           group.has_visibility(),
+                           false,
+                           {},
+                           {}});
+        sensors_.emplace_back();
+        add_lidars(group);
       }
     }
     measure();
@@ -67,72 +87,73 @@ class Inquiry {
   }
 
  private:
+  void add_lidars(const VirtualScanConfig& group) {
+    for (const std::string& lidar : config_.lidars_of(group)) sensors_.back().insert(lidar);
+  }
   const PlanarScan* scan_of(const FieldSight& sight, const EmptyField& field) const {
     return field.frames().find_scan(sight.topic, sight.frame);
   }
   void measure() {
-    std::vector<std::vector<Limit>> causes(sights_.size());
     bool all_free = true;
-    for (std::size_t i = 0; i < sights_.size(); ++i) {
-      const PlanarScan* const scan = scan_of(sights_[i], field_);
-      sights_[i].came = scan != nullptr;
+    for (FieldSight& sight : sights_) {
+      const PlanarScan* const scan = scan_of(sight, field_);
+      sight.came = scan != nullptr;
       if (scan == nullptr) continue;
-      sights_[i].free = share_of(*scan, [&](std::size_t beam) { return is_free(*scan, beam); });
-      all_free = all_free && sights_[i].free.all > 100 - least_share;
-      causes[i].assign(scan->beams, Limit::nothing);
+      sight.free = share_of(*scan, [&](std::size_t beam) { return is_free(*scan, beam); });
+      all_free = all_free && sight.free.all > 100 - least_share;
     }
     if (all_free) return;
-    for (const Limit limit : {Limit::angles, Limit::elevations, Limit::heights, Limit::reach})
-      leave_out(limit, causes);
+    const EmptyField unlimited(config_, Limit::none);
+    for (const Limit limit : {Limit::angles, Limit::elevations, Limit::heights, Limit::reach}) {
+      const EmptyField limited(config_, limit);
+      for (std::size_t i = 0; i < sights_.size(); ++i) compare(i, limit, limited, unlimited);
+    }
     for (std::size_t i = 0; i < sights_.size(); ++i) {
-      if (sights_[i].came) describe(i, causes[i]);
+      if (sights_[i].came) find_outline(i, unlimited);
     }
   }
-  /// Sets the cause of those beams that are free from now on.
-  void leave_out(Limit limit, std::vector<std::vector<Limit>>& causes) const {
-    const EmptyField without(config_, limit);
-    for (std::size_t i = 0; i < sights_.size(); ++i) {
-      const PlanarScan *const before = scan_of(sights_[i], field_), *const now = scan_of(sights_[i], without);
-      if (before == nullptr || now == nullptr || now->beams != before->beams) continue;
-      for (std::size_t beam = 0; beam < now->beams; ++beam) {
-        if (!is_free(*before, beam) && causes[i][beam] == Limit::nothing && is_free(*now, beam))
-          causes[i][beam] = limit;
-      }
-    }
+  /// Adds a hindrance: the beams that pass and are not free.
+  template <class Passes>
+  void add(std::size_t index, Limit limit, const std::string& sentence, Passes passes) {
+    const PlanarScan& scan = *scan_of(sights_[index], field_);
+    const BeamShares beams =
+        share_of(scan, [&](std::size_t beam) { return !is_free(scan, beam) && passes(beam); });
+    if (beams.all >= least_share || beams.ahead >= least_share)
+      sights_[index].hindrances.push_back({limit, beams, sentence});
   }
-  void describe(std::size_t index, const std::vector<Limit>& causes) {
-    FieldSight& sight = sights_[index];
-    const PlanarScan& scan = *scan_of(sight, field_);
-    const auto add = [&](Limit limit, const std::string& sentence, auto passes) {
-      const BeamShares beams = share_of(scan, [&](std::size_t beam) {
-        return !is_free(scan, beam) && causes[beam] == limit && passes(beam);
-      });
-      if (beams.all >= least_share || beams.ahead >= least_share)
-        sight.hindrances.push_back({limit, beams, sentence});
-    };
-    const auto any = [](std::size_t) { return true; };
-    add(Limit::angles,
-        "no source looks there (fields of view and angles); a scanner that looks there sees it", any);
-    add(Limit::elevations, blind_zone(index), any);
-    add(Limit::heights, heights(index), any);
-    add(Limit::reach,
-        "the way is longer than the sources see; lower range_max or free_required (no_return_free_range: 0 "
-        "proves nothing at all)",
-        any);
+  /// Adds the beams that are free without limits, but not with this one alone.
+  void compare(std::size_t index, Limit limit, const EmptyField& limited, const EmptyField& unlimited) {
+    const PlanarScan *const with = scan_of(sights_[index], limited), *const without =
+                                                                         scan_of(sights_[index], unlimited);
+    if (!sights_[index].came || with == nullptr || without == nullptr) return;
+    const std::string sentence =
+        limit == Limit::angles
+            ? "no source looks there (fields of view and angles); a scanner that looks there sees it"
+        : limit == Limit::elevations ? blind_zone(index)
+        : limit == Limit::heights    ? heights(index)
+                                     : "the way is longer than the sources see; lower range_max or "
+                                       "free_required (no_return_free_range: 0 proves nothing at all)";
+    add(index, limit, sentence,
+        [&](std::size_t beam) { return is_free(*without, beam) && !is_free(*with, beam); });
+  }
+  /// Adds the beams that are not free without limits either.
+  void find_outline(std::size_t index, const EmptyField& unlimited) {
+    const PlanarScan* const without = scan_of(sights_[index], unlimited);
+    if (without == nullptr) return;
     std::set<std::string> before;
     double nearest = near_m;
-    std::vector<char> by_outline(scan.beams);
-    for (std::size_t beam = 0; beam < scan.beams; ++beam) {
-      if (!is_free(scan, beam) && causes[beam] == Limit::nothing)
-        by_outline[beam] = is_behind_outline(index, scan, beam, before, nearest) ? 1 : 0;
-    }
-    add(Limit::nothing,
+    std::vector<char> by_outline(without->beams);
+    for (std::size_t beam = 0; beam < without->beams; ++beam)
+      by_outline[beam] =
+          !is_free(*without, beam) && is_behind_outline(index, *without, beam, before, nearest) ? 1 : 0;
+    add(index, Limit::none,
         "the vehicle's outline (footprint) ends " + printed("%.2f", nearest) + " m beyond " + listed(before) +
             "; move its edge to the scanner, or the scanner out of it",
         [&](std::size_t beam) { return by_outline[beam] != 0; });
-    add(Limit::nothing, "the vehicle itself stands in the way; a scanner on its other side sees there",
-        [&](std::size_t beam) { return by_outline[beam] == 0; });
-    std::stable_sort(sight.hindrances.begin(), sight.hindrances.end(),
+    add(index, Limit::none, "the vehicle itself stands in the way; a scanner on its other side sees there",
+        [&](std::size_t beam) { return by_outline[beam] == 0 && !is_free(*without, beam); });
+    auto& all = sights_[index].hindrances;
+    std::stable_sort(all.begin(), all.end(),
                      [](const Hindrance& a, const Hindrance& b) { return a.beams.all > b.beams.all; });
   }
   /// Calls use(sensor, its pose in the output's frame) for each planar scanner, or each lidar, behind an
@@ -142,30 +163,18 @@ class Inquiry {
     for (const SensorConfig& sensor : field_.config().sensors) {
       Pose pose;
       std::string why;
-      if (sensor.model->kind != kind || !is_source(sensor.name, index) ||
+      if (sensor.model->kind != kind || sensors_[index].count(sensor.name) == 0 ||
           !field_.poses().find(sights_[index].frame, sensor.frame_id, Stamp{}, pose, why))
         continue;
       use(sensor, pose);
     }
   }
-  bool is_source(const std::string& sensor, std::size_t index) const {
-    const std::set<std::string>& sources = sources_[index];
-    if (sources.count(sensor) > 0) return true;
-    return std::any_of(
-        config_.virtual_scans.begin(), config_.virtual_scans.end(), [&](const VirtualScanConfig& group) {
-          const auto lidars = config_.lidars_of(group);
-          return std::find(lidars.begin(), lidars.end(), sensor) != lidars.end() &&
-                 std::any_of(group.virtual_laser_scan.begin(), group.virtual_laser_scan.end(),
-                             [&](const std::string& frame) { return sources.count(group.topic(frame)) > 0; });
-        });
-  }
   std::string blind_zone(std::size_t index) const {
     std::string lidars;
     each_sensor(index, FrameKind::cloud, [&](const SensorConfig& sensor, const Pose& pose) {
       lidars += (lidars.empty() ? "" : ", ") + sensor.name;
-      const double height = pose.translation().z(), down = -field_.lowest_elevation(sensor);
-      // Of a virtual scan in a merged scan's plane, about.
-      if (height > 0 && down > 0) lidars += printed(" (nearer than %.1f m)", height / std::tan(down));
+      if (const double range = EmptyField::blind_range(sensor, pose); range > 0)
+        lidars += printed(" (nearer than %.1f m)", range);
     });
     return "the blind zone of " + lidars +
            ", where no ring meets the plane; merge it with scanners at that height, or mount the lidar lower "
@@ -181,23 +190,33 @@ class Inquiry {
     return "another height: above " + sights_[index].frame + " stand " + planes +
            "; mount them level at one height, or widen min_height and max_height";
   }
-  /// Whether some scanner would see along a beam, if the outline ended at the scanner.
+  /// Whether an edge of the outline lies before a scanner, where it looks along a beam.
   bool is_behind_outline(std::size_t index, const PlanarScan& scan, std::size_t beam,
                          std::set<std::string>& before, double& nearest) const {
-    Pose frame;
+    Pose vehicle;
     std::string why;
-    const std::string& base = config_.vehicle.base_frame;
-    if (!field_.poses().find(sights_[index].frame, base, Stamp{}, frame, why)) return false;
-    const Footprint outline = Footprint(config_.vehicle.footprint).transformed(frame);
+    if (!field_.poses().find(sights_[index].frame, config_.vehicle.base_frame, Stamp{}, vehicle, why))
+      return false;
     const auto angle = static_cast<double>(scan.angle(beam));
+    const Eigen::Vector2d ray(std::cos(angle), std::sin(angle));
+    const std::vector<Eigen::Vector2d> corners =
+        Footprint(config_.vehicle.footprint).transformed(vehicle).vertices();
     bool found = false;
     each_sensor(index, FrameKind::scan, [&](const SensorConfig& sensor, const Pose& pose) {
-      const auto pieces =
-          outline.crossings(pose.translation().head<2>(), {std::cos(angle), std::sin(angle)});
-      if (pieces.empty() || pieces.front().out >= near_m) return;
-      found = true;
-      before.insert(sensor.name);
-      nearest = std::min(nearest, pieces.front().out);
+      const Eigen::Vector2d at = pose.translation().head<2>(), looks = pose.linear().col(0).head<2>();
+      for (std::size_t i = 0; i < corners.size(); ++i) {
+        // The corners are counter-clockwise: the outside lies right of each edge.
+        const Eigen::Vector2d a = corners[i], edge = (corners[(i + 1) % corners.size()] - a);
+        const Eigen::Vector2d outward = Eigen::Vector2d(edge.y(), -edge.x()).normalized();
+        const double ahead = outward.dot(a - at), crossed = ahead / outward.dot(ray);
+        const double along = (at + crossed * ray - a).dot(edge) / edge.squaredNorm();
+        if (!(outward.dot(looks) > 0.3 && ahead > 0.005 && ahead < near_m && crossed > 0 && along >= 0 &&
+              along <= 1))
+          continue;
+        found = true;
+        before.insert(sensor.name);
+        nearest = std::min(nearest, ahead);
+      }
     });
     return found;
   }
@@ -205,7 +224,7 @@ class Inquiry {
   const Config& config_;
   const EmptyField& field_;
   std::vector<FieldSight> sights_;
-  std::vector<std::set<std::string>> sources_;  // of each one, as they are named in the configuration
+  std::vector<std::set<std::string>> sensors_;  // behind each one
 };
 
 }  // namespace

@@ -15,21 +15,21 @@ struct BeamShares {
   double all = 0, ahead = 0;
 };
 
-/// What is in the way of some beams of an output.
+/// What is in the way of some beams of an output; several things may be in the way of one beam.
 struct Hindrance {
-  Limit limit;  ///< without it they would be free; nothing: the vehicle itself, or nobody knows
+  Limit limit;  ///< that keeps them from being free, were it the only one; none: the vehicle's outline
   BeamShares beams;
   std::string sentence;  ///< what it is, and the remedy
 };
 
 /// What a merged or virtual scan can know of an empty field.
 struct FieldSight {
-  std::string entry;    ///< "merged_scans.scan"
-  std::string frame;    ///< its origin
-  std::string topic;    ///< in EmptyField
-  bool proves = true;   ///< false: profile flatten, which proves nothing; the rest is that of strict
-  bool came = false;    ///< false: a pose is not known, so nothing else is
-  BeamShares free;      ///< +inf
+  std::string entry;   ///< "merged_scans.scan"
+  std::string frame;   ///< its origin
+  std::string topic;   ///< in EmptyField
+  bool proves = true;  ///< false: profile flatten, which proves nothing; the rest is that of strict
+  bool came = false;   ///< false: a pose is not known, so nothing else is
+  BeamShares free;     ///< +inf
   std::vector<Hindrance> hindrances;  ///< the greatest first
 };
 

@@ -26,18 +26,14 @@ std::vector<Eigen::Vector2d> border_of(const PlanarScan& scan, const Pose& base_
   return border;
 }
 
-/// Where the lowest ring meets the plane of a frame; empty if it does not all around.
-std::vector<Eigen::Vector2d> blind_border(const EmptyField& field, const SensorConfig& sensor,
-                                          const Pose& frame_from_sensor, const Pose& base_from_sensor) {
+/// Where the first ring meets the plane of a frame, for a lidar that is not tilted against it.
+std::vector<Eigen::Vector2d> blind_border(const SensorConfig& lidar, const Pose& frame_from_lidar,
+                                          const Pose& base_from_lidar) {
   std::vector<Eigen::Vector2d> border;
-  const double up = field.lowest_elevation(sensor);
-  for (int deg = 0; deg < 360; deg += 3) {
-    const Eigen::Vector3d ray(std::cos(up) * std::cos(deg * rad_per_deg),
-                              std::cos(up) * std::sin(deg * rad_per_deg), std::sin(up));
-    const double height = frame_from_sensor.translation().z(), climb = (frame_from_sensor.linear() * ray).z();
-    if (!(height * climb < 0)) return {};
-    border.emplace_back((base_from_sensor * (height / -climb * ray)).head<2>());
-  }
+  const double range = EmptyField::blind_range(lidar, frame_from_lidar);
+  for (int deg = 0; deg < 360 && range > 0; deg += 3)
+    border.emplace_back(base_from_lidar.translation().head<2>() +
+                        range * Eigen::Vector2d(std::cos(deg * rad_per_deg), std::sin(deg * rad_per_deg)));
   return border;
 }
 
@@ -51,7 +47,7 @@ void add_fields(const EmptyField& field, const std::string& frame, SnapshotView&
     if (scan != nullptr)
       view.fields.push_back({border_of(*scan, in_base), i, false});
     else if (field.poses().find(frame, sensor.frame_id, Stamp{}, in_frame, why))
-      view.fields.push_back({blind_border(field, sensor, in_frame, in_base), i, true});
+      view.fields.push_back({blind_border(sensor, in_frame, in_base), i, true});
   }
 }
 
@@ -68,22 +64,23 @@ std::vector<SnapshotView> views_of_field(const SnapshotOptions& options, const C
   const EmptyField field(config);
   std::vector<SnapshotView> views;
   std::vector<std::string> notes;
+  const double range = options.range.value_or(usual_range(config));
+  const auto add_view = [&](const std::string& topic, const std::string& frame) {
+    SnapshotView& view = views.emplace_back(make_view(field.config(), field.poses(), field.frames(), topic));
+    add_fields(field, frame, view);
+    view.title = topic.empty() ? "What the sensors can see" : topic;
+    view.framing.half = {range, range};
+    return &view;
+  };
   for (const FieldSight& sight : sights_of(config, field)) {
     if (!sight.came || (!options.areas.empty() && options.areas != sight.topic)) continue;
-    SnapshotView& view =
-        views.emplace_back(make_view(field.config(), field.poses(), field.frames(), sight.topic));
-    add_fields(field, sight.frame, view);
-    view.title = sight.topic;
-    view.subtitle = "+inf in an empty field: " + to_text(sight.free);
-    const double range = options.range.value_or(usual_range(config));
-    view.framing.half = {range, range};
+    add_view(sight.topic, sight.frame)->subtitle = "+inf in an empty field: " + to_text(sight.free);
     for (const Hindrance& one : sight.hindrances)
       notes.push_back(sight.topic + ", " + to_text(one.beams) + ": " + one.sentence + ".");
   }
-  if (views.empty())
-    throw std::runtime_error(options.areas.empty()
-                                 ? "no merged or virtual scan whose poses are configured: see `lidard check`"
-                                 : "--areas: no scan '" + options.areas + "' comes of this configuration");
+  if (views.empty() && !options.areas.empty())
+    throw std::runtime_error("--areas: no scan '" + options.areas + "' comes of this configuration");
+  if (views.empty()) add_view("", config.vehicle.base_frame);
   const auto count = static_cast<int>(views.size());
   for (SnapshotView& view : views) {
     const bool is_last = &view == &views.back();

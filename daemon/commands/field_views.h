@@ -10,8 +10,8 @@
 namespace lidard {
 
 /// One view for each merged and virtual scan of a configuration (of `areas` alone, if set): what it can know
-/// of an empty field, between the sensors' fields of view and blind zones. Throws std::runtime_error if there
-/// is none.
+/// of an empty field, between the sensors' fields of view and blind zones. Without such scans one of the
+/// sensors. Throws std::runtime_error if there is no scan `areas`.
 std::vector<SnapshotView> views_of_field(const SnapshotOptions& options, const Config& config);
 
 }  // namespace lidard

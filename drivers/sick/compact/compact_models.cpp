@@ -43,8 +43,11 @@ Model multiscan(const char* name, const char* product, const char* verified) {
   model.kind = FrameKind::cloud;
   model.beams = 16;
   // The elevations of a recorded multiScan136; two of its layers have eight times as many beams.
-  model.field = {-180, 1, 360, {-42.93, -37.34, -35.04, -32.24, -27.3, -22.54, -17.9, -13.6,
-                                -6.87,  -2.07,  0.05,   2.53,   7.52,  12.32,  17.27, 22.31}};
+  model.field = {-180,
+                 1,
+                 360,
+                 {-42.93, -37.34, -35.04, -32.24, -27.3, -22.54, -17.9, -13.6, -6.87, -2.07, 0.05, 2.53, 7.52,
+                  12.32, 17.27, 22.31}};
   model.fragments_per_packet = 17;  // a telegram of a multiScan136 is one datagram of up to 24 kB
   return model;
 }
