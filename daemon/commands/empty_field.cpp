@@ -220,6 +220,7 @@ void EmptyField::set_up(SensorConfig& sensor, Limit holds) {
                          : gives_clouds(sensor, config_) ? FrameKind::cloud
                                                          : FrameKind::scan;
   const bool is_known = sensor.model != nullptr && sensor.model->field.beams > 0;
+  if (sensor.model == nullptr) sensor.scan_topic = sensor.points_topic = "assumed/" + sensor.name;
   Model& model = models_.emplace_back(sensor.model != nullptr ? *sensor.model : usual_model(kind));
   if (!is_known) {
     model.field = usual_model(kind).field;

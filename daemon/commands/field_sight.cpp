@@ -53,31 +53,18 @@ class Inquiry {
 
   std::vector<FieldSight> run() {
     for (const MergedScanConfig& merged : config_.merged_scans) {
-      sights_.push_back({"merged_scans." + merged.name,
-                         merged.destination_frame,
-                         merged.scan_destination_topic,
-                         merged.has_visibility(),
-                         false,
-                         {},
-                         {}});
+      const std::string &frame = merged.destination_frame, &topic = merged.scan_destination_topic;
+      sights_.push_back({"merged_scans." + merged.name, frame, topic, merged.has_visibility()});
       sensors_.emplace_back(merged.laserscan_topics.begin(), merged.laserscan_topics.end());
       for (const VirtualScanConfig& group : config_.virtual_scans) {
-        const auto is_source = [&](const std::string& frame) {
-          return sensors_.back().count(group.topic(frame)) > 0;
-        };
-        if (std::any_of(group.virtual_laser_scan.begin(), group.virtual_laser_scan.end(), is_source))
-          add_lidars(group);
+        for (const std::string& source : group.virtual_laser_scan)
+          if (sensors_.back().count(group.topic(source)) > 0) add_lidars(group);
       }
     }
     for (const VirtualScanConfig& group : config_.virtual_scans) {
       for (const std::string& frame : group.virtual_laser_scan) {
-        sights_.push_back({"virtual_scans." + group.name + "." + frame,
-                           frame,
-                           group.topic(frame),
-                           group.has_visibility(),
-                           false,
-                           {},
-                           {}});
+        const std::string entry = "virtual_scans." + group.name + "." + frame;
+        sights_.push_back({entry, frame, group.topic(frame), group.has_visibility()});
         sensors_.emplace_back();
         add_lidars(group);
       }
@@ -123,18 +110,19 @@ class Inquiry {
   }
   /// Adds the beams that are free without limits, but not with this one alone.
   void compare(std::size_t index, Limit limit, const EmptyField& limited, const EmptyField& unlimited) {
-    const PlanarScan *const with = scan_of(sights_[index], limited), *const without =
-                                                                         scan_of(sights_[index], unlimited);
+    const PlanarScan* const with = scan_of(sights_[index], limited);
+    const PlanarScan* const without = scan_of(sights_[index], unlimited);
     if (!sights_[index].came || with == nullptr || without == nullptr) return;
-    const std::string sentence =
-        limit == Limit::angles
-            ? "no source looks there (fields of view and angles); a scanner that looks there sees it"
-        : limit == Limit::elevations ? blind_zone(index)
-        : limit == Limit::heights    ? heights(index)
-                                     : "the way is longer than the sources see; lower range_max or "
-                                       "free_required (no_return_free_range: 0 proves nothing at all)";
-    add(index, limit, sentence,
+    add(index, limit, sentence_of(limit, index),
         [&](std::size_t beam) { return is_free(*without, beam) && !is_free(*with, beam); });
+  }
+  std::string sentence_of(Limit limit, std::size_t index) const {
+    if (limit == Limit::elevations) return blind_zone(index);
+    if (limit == Limit::heights) return heights(index);
+    if (limit == Limit::angles)
+      return "no source looks there (fields of view and angles); a scanner that looks there sees it";
+    return "the way is longer than the sources see; lower range_max or free_required (a source with "
+           "no_return_free_range: 0 proves nothing)";
   }
   /// Adds the beams that are not free without limits either.
   void find_outline(std::size_t index, const EmptyField& unlimited) {

@@ -29,8 +29,8 @@ struct FieldSight {
   std::string topic;   ///< in EmptyField
   bool proves = true;  ///< false: profile flatten, which proves nothing; the rest is that of strict
   bool came = false;   ///< false: a pose is not known, so nothing else is
-  BeamShares free;     ///< +inf
-  std::vector<Hindrance> hindrances;  ///< the greatest first
+  BeamShares free{};   ///< +inf
+  std::vector<Hindrance> hindrances{};  ///< the greatest first
 };
 
 /// What each merged and virtual scan of `field` can know; `config` is the configuration behind it.
