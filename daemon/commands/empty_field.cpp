@@ -21,7 +21,7 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double far_m = 1e5;
 constexpr Span period = std::chrono::milliseconds(100);
 /// Until an output no longer waits for a source that never comes.
-constexpr int rounds = 5;
+constexpr int field_rounds = 5;
 
 /// Where a sensor is in base_frame, for its driver.
 const Pose& place_of(const Model& model) { return *static_cast<const Pose*>(model.row); }
@@ -260,7 +260,7 @@ void EmptyField::set_up(SensorConfig& sensor, Limit holds) {
 void EmptyField::play() {
   Pipeline pipeline(config_, no_tf_, frames_);
   Stamp now{1'000'000'000'000};
-  for (int round = 0; round < rounds; ++round, now = now + period) {
+  for (int round = 0; round < field_rounds; ++round, now = now + period) {
     for (const SensorConfig& sensor : config_.sensors) {
       Packet packet{};
       packet.arrival = now;

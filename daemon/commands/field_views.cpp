@@ -14,7 +14,7 @@ namespace lidard {
 namespace {
 
 /// Pixels of a field where several stand side by side, and those that the legend adds to the last one.
-constexpr int field_width = 500, legend_width = 300, gap = 20;
+constexpr int field_width = 500, legend_width = 300, view_gap = 20;
 
 std::vector<Eigen::Vector2d> border_of(const PlanarScan& scan, const Pose& base_from_sensor) {
   std::vector<Eigen::Vector2d> border = {base_from_sensor.translation().head<2>()};
@@ -84,8 +84,8 @@ std::vector<SnapshotView> views_of_field(const SnapshotOptions& options, const C
   const auto count = static_cast<int>(views.size());
   for (SnapshotView& view : views) {
     const bool is_last = &view == &views.back();
-    const int each = options.width > 0 ? (options.width - legend_width) / count - gap : field_width;
-    if (options.width > 0 || count > 1) view.framing.width = each + gap + (is_last ? legend_width : 0);
+    const int each = options.width > 0 ? (options.width - legend_width) / count - view_gap : field_width;
+    if (options.width > 0 || count > 1) view.framing.width = each + view_gap + (is_last ? legend_width : 0);
   }
   views.back().notes = notes;
   return views;
