@@ -148,7 +148,8 @@ struct Commands {
     c->callback([this] { action = [this] { return run_inspect(captures, json, std::cout, std::cerr); }; });
   }
   void add_check() {
-    auto* c = app.add_subcommand("check", "Validates a configuration and prints it with all defaults");
+    auto* c = app.add_subcommand(
+        "check", "Validates a configuration and prints it with all defaults, and what its scans can know");
     c->add_option("file", config, "Configuration file")->required();
     c->add_flag("--ports", ports, "Print the sockets that the daemon opens instead, for firewalls");
     c->callback([this] {
@@ -199,10 +200,12 @@ struct Commands {
     c->callback([this] { action = [this] { return run_calibrate(calibrate, std::cout, std::cerr); }; });
   }
   void add_snapshot() {
-    auto* c = app.add_subcommand("snapshot", "Draws what the vehicle sees at one moment, from above");
+    auto* c = app.add_subcommand(
+        "snapshot",
+        "Draws what the vehicle sees at one moment, from above; without a capture, what it can see");
     c->add_option("-c,--config", snapshot.config,
                   "Configuration file; default: the sensors found, all at the origin");
-    add_captures(c, snapshot.captures);
+    add_captures(c, snapshot.captures)->required(false);
     c->add_option("--at", snapshot.at,
                   "Seconds into the capture; default: its middle, or the first frame after it")
         ->check(CLI::NonNegativeNumber);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
@@ -10,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/base/angle.h"
 #include "drivers/driver.h"
 
 namespace lidard {
@@ -60,6 +62,19 @@ MessageTopic message_topic(std::string_view name = Kind::topic) {
   return {name, message_kind<Kind>()};
 }
 
+/// Where a product measures as it is delivered, for what is said without its data: a device may be set to
+/// less.
+struct FieldOfView {
+  double first_deg = -180;  ///< azimuth of the first beam, counter-clockwise from ahead
+  double step_deg = 0;
+  std::size_t beams = 0;                 ///< of a plane; 0: not known
+  std::vector<double> elevations_deg{};  ///< of the rings of a multi-plane lidar, upwards
+  /// rad between the outer beams; 0: not known.
+  double width() const {
+    return beams < 2 ? 0 : std::abs(step_deg) * static_cast<double>(beams - 1) * rad_per_deg;
+  }
+};
+
 /// The properties of a product that the program needs outside of its family. Properties of the protocol (beam
 /// angles, firing times) are in the family's own table, at `row`.
 struct Model {
@@ -78,6 +93,7 @@ struct Model {
   double frame_period = 0;           ///< s, usual
   double range_min = 0, range_max = 0;  ///< m, constant in every scan
   std::size_t beams = 0;                ///< rings of a multi-plane lidar; 0: the packets show it
+  FieldOfView field{};
   Traits traits{};
   std::vector<MessageTopic> messages{};         ///< of DriverOutput::message()
   std::vector<std::string_view> extra_scans{};  ///< of DriverOutput::extra_scan()
@@ -88,7 +104,6 @@ struct Model {
   /// m: to here the device detects a target of 10 % remission, by its data sheet; 0: not known. So far a beam
   /// without return proves that nothing is there.
   double dark_range = 0;
-  double view = 0;  ///< rad, widest view of a planar scanner, its middle ahead; 0: not known
 
   /// m that a beam without return proves free.
   double free_range() const { return dark_range > 0 ? std::min(dark_range, range_max) : range_max; }

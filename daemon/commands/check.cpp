@@ -9,13 +9,12 @@
 
 #include "core/base/angle.h"
 #include "core/base/number_text.h"
-#include "core/evidence/beam_rays.h"
 #include "daemon/commands/commands.h"
+#include "daemon/commands/field_sight.h"
 #include "daemon/config/config.h"
 #include "daemon/config/yaml_reader.h"
 #include "daemon/files/text_table.h"
 #include "daemon/pipeline/frame_tree.h"
-#include "drivers/calibration.h"
 
 namespace lidard {
 namespace {
@@ -41,23 +40,13 @@ bool looks_like_rad(double angle) {
   return std::abs(angle) > 0.5 && std::abs(std::remainder(angle, pi_d / 4)) < 0.005;
 }
 
-/// Elevations of the lowest and the highest ring, rad.
-std::pair<double, double> elevations_of(const SensorConfig& sensor) {
-  const auto calibration =
-      sensor.driver.calibration != nullptr ? *sensor.driver.calibration : table_calibration(*sensor.model);
-  const auto [lowest, highest] =
-      std::minmax_element(calibration.lasers.begin(), calibration.lasers.end(),
-                          [](const auto& a, const auto& b) { return a.vert_correction < b.vert_correction; });
-  return {lowest->vert_correction, highest->vert_correction};
-}
-
 /// Checks a configuration without data: poses that come only from tf, sources of other nodes, likely
 /// mistakes, and outputs that can never come.
 class Forecast {
  public:
-  /// `text`: the source of `config`.
-  Forecast(const Config& config, const std::string& text)
-      : config_(config), root_(parse_yaml(text, config.file)), poses_(config, no_tf_) {}
+  /// `text`: the source of `config`; `sights`: what its outputs can know.
+  Forecast(const Config& config, const std::string& text, const std::vector<FieldSight>& sights)
+      : config_(config), root_(parse_yaml(text, config.file)), sights_(sights), poses_(config, no_tf_) {}
 
   /// Each sentence begins with `file:line:column`.
   std::vector<std::string> all() {
@@ -157,8 +146,8 @@ class Forecast {
   }
   /// Checks that a sensor sees most of the sector between angle_min and angle_max.
   void question_sector(const Value& entry, const SensorConfig* sensor, const Sector& sector) {
-    if (sensor == nullptr || sensor->model == nullptr || sensor->model->view <= 0) return;
-    const double end = sensor->model->view / 2;
+    if (sensor == nullptr || sensor->model == nullptr || sensor->model->field.width() <= 0) return;
+    const double end = sensor->model->field.width() / 2;
     int kept = 0, left_out = 0, wanted = 0;  // degrees
     for (int deg = -180; deg < 180; ++deg) {
       const bool is_wanted = sector.holds(deg * rad_per_deg), is_seen = std::abs(deg * rad_per_deg) <= end;
@@ -177,37 +166,19 @@ class Forecast {
       return sources.size() > 1 && std::find(sources.begin(), sources.end(), topic) != sources.end();
     });
   }
-  /// Percentage of the beams of a virtual scan that begin where no ring of the lidar passes.
-  int blind_beams(const SensorConfig& lidar, const ScanGridSpec& grid, const std::string& frame) const {
-    constexpr double between_rings = 1 * rad_per_deg;
-    constexpr double forgiven_m = 0.3;
-    const auto place = pose_of(lidar.frame_id, frame);
-    const auto base = pose_of(frame, config_.vehicle.base_frame);
-    if (!place || !base) return 0;
-    const auto [lowest, highest] = elevations_of(lidar);
-    const Footprint outline =
-        Footprint(config_.vehicle.footprint).padded(Footprint::margin_m).transformed(*base);
-    int blind = 0;
-    for (int k = 0; k < 100; ++k) {
-      const double angle = grid.angle_min + (grid.angle_max - grid.angle_min) * k / 100;
-      const Eigen::Vector2d ahead(std::cos(angle), std::sin(angle));
-      const auto own = outline.crossings({0, 0}, ahead);
-      const double border = own.empty() || own.front().in > 0 ? 0 : own.front().out;
-      const Eigen::Vector2d begin = ahead * (border + forgiven_m);
-      const Eigen::Vector3d seen = *place * Eigen::Vector3d(begin.x(), begin.y(), 0);
-      const double elevation = std::atan2(seen.z(), seen.head<2>().norm());
-      if (elevation < lowest - between_rings || elevation > highest + between_rings) ++blind;
-    }
-    return blind;
-  }
-  void question_origins(const Value& entry, const VirtualScanConfig& group, const SensorConfig& lidar) {
-    if (!group.has_visibility() || lidar.model == nullptr || !lidar.model->has(Trait::calibration)) return;
-    for (const std::string& frame : group.virtual_laser_scan) {
-      const int blind = blind_beams(lidar, group.output.grid, frame);
-      if (blind > 50 && !is_merged(group.topic(frame)))
-        add(entry, frame + " lies where " + lidar.name + " is blind: " + std::to_string(blind) +
+  /// Virtual scans that clear nothing, unless scanners are merged with them.
+  void question_origins(const Value& entry, const VirtualScanConfig& group, const std::string& lidar) {
+    constexpr double most = 50;
+    for (const FieldSight& sight : sights_) {
+      if (sight.entry != "virtual_scans." + group.name + "." + sight.frame || !sight.proves ||
+          is_merged(sight.topic))
+        continue;
+      for (const Hindrance& one : sight.hindrances) {
+        if (one.limit != Limit::elevations || one.beams.all < most) continue;
+        add(entry, sight.frame + " lies where " + lidar + " is blind: " + printed("%.0f", one.beams.all) +
                        " % of its beams begin unseen and are never free (+inf); merge it with scanners at "
                        "its height");
+      }
     }
   }
   void check(const SensorConfig& sensor) {
@@ -276,7 +247,7 @@ class Forecast {
     }
     question_reach(entry, group, reach, group.no_return_free_range > 0 ? proven : reach);
     // Of several each sees where another one is blind.
-    if (lidars.size() == 1) question_origins(entry, group, *config_.find_sensor(lidars[0]));
+    if (lidars.size() == 1) question_origins(entry, group, lidars[0]);
     std::set<std::string> unplaced, unknown;
     for (const std::string& lidar : lidars) {
       if (!is_placed(lidar, vehicle.base_frame)) unplaced.insert(lidar);
@@ -299,6 +270,7 @@ class Forecast {
 
   const Config& config_;
   Value root_;
+  const std::vector<FieldSight>& sights_;
   NoTransforms no_tf_;
   FrameTree poses_;
   std::vector<std::string> sentences_;
@@ -356,8 +328,10 @@ int run_check(const std::string& file, std::ostream& out, std::ostream& err) {
     const std::string text = read_file(file, "a readable YAML file");
     const Config config = parse_config(text, file);
     for (const std::string& warning : config.warnings) err << warning << '\n';
-    for (const std::string& sentence : Forecast(config, text).all()) err << sentence << '\n';
-    out << to_yaml(config);
+    const EmptyField field(config);
+    const std::vector<FieldSight> sights = sights_of(config, field);
+    for (const std::string& sentence : Forecast(config, text, sights).all()) err << sentence << '\n';
+    out << to_yaml(config) << comments_of(sights, field);
     return exit_ok;
   });
 }

@@ -40,7 +40,7 @@ int guarded(std::ostream& err, const Command& command) {
 
 // A command returns its exit code and prints its result to `out`, messages and errors to `err`.
 
-/// `lidard check`: prints the configuration with every default filled in.
+/// `lidard check`: prints the configuration with every default filled in, and what its scans can know.
 int run_check(const std::string& file, std::ostream& out, std::ostream& err);
 /// `lidard check --ports`: prints the sockets that the daemon opens, for firewalls.
 int run_check_ports(const std::string& file, std::ostream& out, std::ostream& err);
@@ -133,7 +133,8 @@ struct SnapshotOptions {
   std::string output;           ///< .png or .svg
 };
 
-/// Plays captures through the pipeline of a configuration up to one moment and draws the frames from above.
+/// Plays captures through the pipeline of a configuration up to one moment and draws the frames from above;
+/// without captures draws what the configuration's scans can see.
 int run_snapshot(const SnapshotOptions& options, std::ostream& err);
 
 /// Options of `lidard calibrate`.

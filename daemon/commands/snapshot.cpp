@@ -9,6 +9,7 @@
 
 #include "core/base/number_text.h"
 #include "daemon/commands/commands.h"
+#include "daemon/commands/field_views.h"
 #include "daemon/commands/inspect_survey.h"
 #include "daemon/commands/player.h"
 #include "daemon/files/snapshot_view.h"
@@ -164,10 +165,17 @@ int run_snapshot(const SnapshotOptions& options, std::ostream& err) {
     err << "--output: '" << options.output << "' is neither a .png nor a .svg file\n";
     return exit_usage;
   }
+  if (options.captures.empty() && options.config.empty()) {
+    err << "lidard snapshot: a capture is required, or a configuration (-c)\n";
+    return exit_usage;
+  }
   return guarded(err, [&] {
     const Scene scene =
         options.config.empty() ? scene_of(options.captures, err) : configured(options.config, err);
-    const std::string picture = draw_snapshot({view_of(options, scene)}, *format);
+    const std::string picture =
+        draw_snapshot(options.captures.empty() ? views_of_field(options, scene.config)
+                                               : std::vector<SnapshotView>{view_of(options, scene)},
+                      *format);
     TextFile file(options.output);
     file.write(picture);
     file.close();

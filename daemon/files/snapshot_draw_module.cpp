@@ -130,6 +130,12 @@ std::vector<LegendRow> legend_of(const SnapshotView& view) {
                     nullptr,
                     {}});
   }
+  if (!view.fields.empty())
+    rows.push_back({"",
+                    "Thin lines: fields of view. Dashed: nearer than that no ring of the lidar meets the "
+                    "plane of the scan.",
+                    nullptr,
+                    {}});
   rows.push_back({"", "Ahead is up. Rings: distance from " + view.base_frame + ".", nullptr, {}});
   for (const auto* sentences : {&view.notes, &view.missing}) {
     for (const auto& sentence : *sentences) rows.push_back({"", sentence, nullptr, {}, {0.70, 0.20, 0.00}});
@@ -170,6 +176,7 @@ class Painter {
       }
     };
     clouds();
+    fields();
     vehicle();
     all(Role::input);
     all(Role::merged);
@@ -242,6 +249,17 @@ class Painter {
     }
     // Few returns are drawn one by one; many as shades.
     chart_.dots(dots, dots.size() < 60'000 ? 2 : 1, dots.size() < 200'000 ? 1 : 0.6);
+  }
+  void fields() {
+    for (const auto& field : view_.fields) {
+      std::vector<Vector2d> border;
+      for (const Vector2d& p : field.border) border.push_back(chart_.to_page(p));
+      chart_.path(border);
+      chart_.close();
+      const auto& sensor = view_.sensors[field.sensor];
+      const std::vector<double> dashes = field.is_blind ? std::vector<double>{6, 5} : std::vector<double>{};
+      chart_.stroke(color_of(sensor.role, sensor.number), 1.2, dashes);
+    }
   }
   void layer(const SnapshotView::Layer& layer) {
     const Color color = color_of(layer.role, layer.number);

@@ -104,6 +104,13 @@ struct SnapshotView {
     std::size_t number = 0;
   };
 
+  /// The border of a sensor's field of view, or of the zone where it is blind.
+  struct Field {
+    std::vector<Eigen::Vector2d> border;
+    std::size_t sensor;  ///< index in `sensors`
+    bool is_blind;
+  };
+
   /// The width of a beam up to its end.
   struct Wedge {
     Eigen::Vector2f corner[3];  ///< the first one is the origin of the scan
@@ -116,6 +123,7 @@ struct SnapshotView {
   std::vector<Eigen::Vector2d> footprint;
   std::vector<Sensor> sensors;
   std::vector<Layer> layers;  ///< in the order of the legend
+  std::vector<Field> fields;  ///< as lines, those of blind zones dashed
   std::vector<Wedge> wedges;  ///< by angle
   std::string free_note;      ///< legend of the areas; empty: none is shown
   std::string unobserved_note;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/hokuyo/models.h"
 
+#include "core/base/angle.h"
 #include "drivers/hokuyo/uam_frame.h"
 
 namespace lidard::hokuyo {
@@ -32,8 +33,9 @@ Model scanner(std::string_view name, const char* product, const ScipRow& row, Tr
   model.range_min = row.parameters.range_min_mm * 1e-3;
   model.range_max = row.parameters.range_max_mm * 1e-3;
   model.dark_range = dark_range;
-  if (!row.any)
-    model.view = (row.parameters.last_step - row.parameters.first_step) * row.parameters.rad_per_step();
+  const ScipParameters& own = row.parameters;
+  model.field = {own.angle(own.first_step) * deg_per_rad, own.rad_per_step() * deg_per_rad,
+                 static_cast<std::size_t>(own.last_step - own.first_step + 1)};
   model.traits = traits;
   model.row = &row;
   model.make = make_scip_driver;

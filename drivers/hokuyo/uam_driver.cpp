@@ -324,7 +324,7 @@ Model scanner(const char* name, const char* product, const UamRow& row, const ch
   model.range_min = 0.05;                     // unverified
   model.range_max = (first_code - 1) * 1e-3;  // what the wire can say
   model.beams = row.beams;
-  model.view = row.step_deg * static_cast<double>(row.beams - 1) * rad_per_deg;
+  model.field = {first_deg, row.step_deg, row.beams};
   model.messages = {message_topic<DeviceState>("status")};
   model.row = &row;
   model.make = make_uam_driver;

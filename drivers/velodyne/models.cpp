@@ -269,6 +269,11 @@ Model spinning(const char* name, const char* product, const ModelRow& row, doubl
   // HDL-64E: 50 m for pavement (reflectivity 0.10), 120 m for cars and foliage (0.80), its data sheet as
   // others quote it. The data sheets of the others give the range of bright targets alone.
   if (row.banks == 2) model.dark_range = 50;
+  model.field.beams = static_cast<std::size_t>(model.frame_period / seconds(row.timings.front().sequence));
+  model.field.step_deg = 360.0 / static_cast<double>(model.field.beams);
+  for (std::size_t k = 0; k < row.lasers; ++k)
+    model.field.elevations_deg.push_back(row.laser[k].elevation_deg);
+  std::sort(model.field.elevations_deg.begin(), model.field.elevations_deg.end());
   model.traits = {Trait::revolutions, Trait::calibration, Trait::packet_messages};
   // Of an HDL-64E S1 a column does not show which beams were fired.
   if (!row.bank_by_bank) model.traits.add({Trait::silent_beams_are_free});

@@ -127,6 +127,8 @@ def check_errors(tmp, capture):
         (["-c", config, capture, "--range", "0", "-o", tmp / "a.png"], 2, "range"),
         (["-c", config, "--pcap", capture, "-o", tmp / "no" / "a.png"], 1, "cannot be opened for writing"),
         (["-c", config, "--pcap", capture], 2, "output"),
+        (["-o", tmp / "a.png"], 2, "a capture is required, or a configuration"),
+        (["-c", config, "--areas", "nope", "-o", tmp / "a.png"], 1, "'nope'"),
     ]
     for arguments, code, words in cases:
         result = run("snapshot", *arguments)
@@ -135,8 +137,30 @@ def check_errors(tmp, capture):
         expect(not (tmp / "a.png").exists(), f"{arguments}: a picture was begun")
 
 
+def check_without_capture(tmp):
+    """The field of view of each scanner, and what the merged scan can see of an empty field."""
+    config = tmp / "field.yaml"
+    config.write_text(CONFIG.replace("[0.1, ", "[0.0, "))
+    for end in ("png", "svg"):
+        result = run("snapshot", "-c", config, "--range", "13", "-o", tmp / f"field.{end}")
+        expect(result.returncode == 0 and not result.stderr, result.stderr)
+    picture, scale = Png((tmp / "field.png").read_bytes()), WIDTH / 26
+
+    def at(ahead, left, reach):
+        return picture.around(round(LEFT + WIDTH / 2 - left * scale), round(TOP + HEIGHT / 2 - ahead * scale), reach)
+
+    expect(has(at(5.3, 6.1, 0), FREE) and has(at(5.3, -6.1, 0), FREE), "free ahead")
+    expect(has(at(-9.0, 0.0, 4), UNKNOWN) and not has(at(-9.0, 0.0, 4), FREE), "nobody sees behind the vehicle")
+    # The left scanner looks 45 degrees to the left, and 137.5 degrees to either side of that.
+    expect(has(at(-9.0, 0.61, 3), BLUE) and has(at(-9.0, -0.61, 3), ORANGE), "the ends of the fields of view")
+    words = "".join(xml.etree.ElementTree.parse(tmp / "field.svg").getroot().itertext())
+    for name in ("around", "+inf in an empty field", "fields of view", "the vehicle itself stands in the way"):
+        expect(name in words, f"{name} is not in the SVG")
+
+
 def main():
     with folder() as tmp:
+        check_without_capture(tmp)
         (tmp / "v.scene.yaml").write_text(SCENE)
         (tmp / "v.yaml").write_text(CONFIG)
         subprocess.run([LIDARD_SIM, "make", tmp / "v.scene.yaml", "-o", tmp / "v"], check=True, stdout=subprocess.DEVNULL)

@@ -204,12 +204,16 @@ constexpr std::array families = {
 /// The number of families whose scans are known from devices; the last three accept unlisted values.
 constexpr std::size_t known_families = families.size() - 3;
 
-/// Widest view of a model, rad; 0: not known.
-double view_of(std::string_view model) {
-  for (const Family& family : families) {
-    if (family.model == model) return (family.end_deg - family.start_deg) * rad_per_deg;
-  }
-  return 0;
+/// The sweep of the first family of that model; an MRS1000: sick_scan_xd's table of devices.
+FieldOfView field_of(const Facts& facts) {
+  if (facts.row->layered) return {-137.5, 0.25, 1101, {-2.5, 0, 2.5, 5}};
+  const auto family = std::find_if(families.begin(), families.end(),
+                                   [&](const Family& one) { return one.model == facts.name; });
+  if (family == families.end()) return {};
+  const double turn = family->end_deg - family->start_deg;
+  const double step = family->step_deg[0] != any ? family->step_deg[0] : 0.25;
+  const double first = facts.row->mirrored ? -turn / 2 : family->start_deg + facts.row->shift_deg;
+  return {first, step, static_cast<std::size_t>(std::lround(turn / step)) + (turn < 360 ? 1 : 0)};
 }
 
 bool near_to(double a, double b, double tolerance) { return std::abs(a - b) <= tolerance; }
@@ -370,7 +374,7 @@ class ColaRecognizer final : public Recognizer {
 void append_cola_models(std::vector<Model>& list) {
   for (const Facts& facts : all_facts) {
     list.push_back(model_of(facts));
-    list.back().view = view_of(facts.name);
+    list.back().field = field_of(facts);
   }
 }
 

@@ -32,8 +32,8 @@ Model udp_model(const char* name, const char* product, const char* verified) {
 
 Model picoscan(const char* name, const char* product, const char* verified) {
   Model model = udp_model(name, product, verified);
+  model.field = {-138, 0.5, 553};  // 276 deg (SICK's developer guide)
   model.traits.add(Trait::echoes);
-  model.view = 276 * rad_per_deg;
   model.messages.push_back(message_topic<DeviceState>("encoder"));
   model.extra_scans = {"reflectors"};
   return model;
@@ -43,6 +43,12 @@ Model multiscan(const char* name, const char* product, const char* verified) {
   Model model = udp_model(name, product, verified);
   model.kind = FrameKind::cloud;
   model.beams = 16;
+  // The elevations of a recorded multiScan136; two of its layers have eight times as many beams.
+  model.field = {-180,
+                 1,
+                 360,
+                 {-42.93, -37.34, -35.04, -32.24, -27.3, -22.54, -17.9, -13.6, -6.87, -2.07, 0.05, 2.53, 7.52,
+                  12.32, 17.27, 22.31}};
   model.fragments_per_packet = 17;  // a telegram of a multiScan136 is one datagram of up to 24 kB
   return model;
 }
@@ -54,6 +60,7 @@ Model lrs4000() {
   model.packets_per_s = 50;
   model.frame_period = 0.04;
   model.range_max = 130;
+  model.field = {-180, 0.05, 7200};  // sick_scan_xd's table of devices
   model.extra_scans = {"reflectors"};
   return model;
 }

@@ -23,7 +23,8 @@ Model scanner(const char* name, const char* product, double frame_period, double
   model.frame_period = frame_period;
   model.range_min = 0.1;  // as sick_safetyscanners has it; unverified
   model.range_max = range_max;
-  model.view = 275 * rad_per_deg;
+  // 275 deg (data sheets of the three products); the step is that of a cycle of 30 ms, unverified.
+  model.field = {-137.5, 0.39, 706};
   // CoLa 2 needs no login for what concerns the data output.
   model.traits = {Trait::settings_writable, Trait::receiver_settable, Trait::states_on_request};
   model.messages = {message_topic<DeviceState>(safety_topic::system_state),

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -12,6 +13,9 @@
 
 namespace lidard {
 namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
 
 class Check : public ::testing::Test {
  protected:
@@ -224,6 +228,24 @@ TEST_F(Check, QuestionsAVirtualScanThatBeginsWhereItsLidarIsBlind) {
       bumper("profile: safety, poses: {bumper: {xyz: [0.1, 0, 0.3]}}",
              "merged_scans: {all: {laserscan_topics: [front, bumper], profile: safety, range_max: 20}}\n"),
       "");
+}
+
+TEST_F(Check, SaysAtItsEndWhichBeamsCanBeFreeAndWhatIsInTheWay) {
+  const std::string vehicle =
+      "sensors:\n"
+      "  left: {model: sick_microscan3, ip_address: 10.0.0.1, pose: {xyz: [0, 1, 0.3], rpy_deg: [0, 0, "
+      "45]}}\n"
+      "  right: {model: sick_microscan3, ip_address: 10.0.0.2, pose: {xyz: [0, -1, 0.3], rpy_deg: [0, 0, "
+      "-45]}}\n"
+      "merged_scans: {scan: {laserscan_topics: [left, right], profile: strict, range_max: 30}}\n"
+      "vehicle: {footprint: [[-4, -1], ";
+  ASSERT_EQ(check(vehicle + "[0.6, -1], [0.6, 1], [-4, 1]]}\n"), 0);
+  EXPECT_THAT(out_.str(),
+              HasSubstr("the vehicle's outline (footprint) ends 0.60 m beyond left, right; move its edge"));
+  EXPECT_EQ(out_.str().find(to_yaml(parse_config(out_.str(), "f"))), 0U) << "what it adds is a comment";
+  out_.str("");
+  ASSERT_EQ(check(vehicle + "[0, -1], [0, 1], [-4, 1]]}\n"), 0);
+  EXPECT_THAT(out_.str(), AllOf(HasSubstr("# merged_scans.scan: 9"), HasSubstr("(ahead 100 %)")));
 }
 
 TEST_F(Check, RemarksAreNoErrors) {
