@@ -41,6 +41,8 @@ constexpr std::int64_t stall_limit = 10 * ms;
 constexpr std::int64_t standing_part = 8;
 /// After a longer time without packets, whole seconds mean nothing.
 constexpr std::int64_t longest_gap = 500 * ms;
+/// The least step of device time from packet to packet, for those in the wrong order.
+constexpr std::int64_t least_step = ms / 10;
 /// Packets that are early by more than early_limit while the arrivals stand are held, as are those of a run of
 /// run_limit. A host that stalls drains its burst sooner than after longest_run.
 constexpr std::int64_t early_limit = ms, run_limit = 1000 * ms, longest_run = 15'000 * ms;
@@ -56,10 +58,11 @@ std::int64_t beyond_seconds(std::int64_t span) {
 }  // namespace
 
 bool DeviceClock::stands(Span device, Stamp arrival) const {
-  const std::int64_t passed = device.count() - run_.device;
-  const std::int64_t moved = std::abs(beyond_seconds(arrival.ns - run_.arrival));
-  const bool goes_on = device.count() - newest_ < longest_gap || (held_ && moved < early_limit);
-  return ready_ && passed >= 0 && goes_on && moved * standing_part <= passed;
+  const std::int64_t passed = device.count() - newest_;
+  const std::int64_t moved = std::abs(beyond_seconds(arrival.ns - newest_arrival_));
+  if (!ready_ || device.count() < run_.device) return false;
+  if (passed >= longest_gap) return held_ && moved < early_limit;
+  return moved * standing_part <= std::max(passed, least_step);
 }
 
 /// True if the packet's arrival shows nothing.

@@ -141,6 +141,8 @@ bool Player::play_once(const std::function<bool()>& stop) {
       wall_begin_ = std::chrono::steady_clock::now();
     }
     const Stamp at = pipeline_.time_of(packet);
+    const double made = seconds(at - packet.arrival);
+    if (options_.duration >= 0 && into + made >= options_.start + options_.duration) break;
     // The time that a clock was set ahead by has no events.
     if (waits && !wait_for(at, stop)) return false;
     show_time(at);

@@ -189,7 +189,7 @@ class PacketOrder {
     const Span step = hour_difference(p.view().stamp_us(), last_us_);
     const bool is_next = step > Span(0) && (step - due()) * 2 <= last_period_;
     const auto hours = std::llround(seconds(p.arrival - last_arrival_ - step) / seconds(hour));
-    return is_next || hours <= 0 ? step : step + hour * hours;
+    return is_next || hours <= 0 ? step : Span(step + hour * hours);
   }
   /// The held packet has another product byte; the next packet's period decides whether the byte is wrong.
   bool is_product_undecided() const {
