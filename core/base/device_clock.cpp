@@ -82,6 +82,7 @@ bool DeviceClock::hold(std::int64_t device, std::int64_t arrival) {
     held_ = true;
     base_offset_ += run_.offset - predicted_offset(run_.device);
   }
+  if (held_) late_since_ = 0;
   return held_;
 }
 
