@@ -71,7 +71,11 @@ bool DeviceClock::hold(std::int64_t device, std::int64_t arrival) {
     // A burst at the begin of a stream: its last packet is the best one.
     const bool was_burst = held_ && early_ && newest_ - run_.device < lacked_after;
     held_ = early_ = false;
-    if (was_burst) follow(newest_, newest_arrival_);
+    if (was_burst) {
+      const std::int64_t offset = newest_arrival_ - newest_;
+      base_offset_ += std::min<std::int64_t>(0, offset - predicted_offset(newest_));
+      if (offset < window_.offset) window_ = {newest_, offset};
+    }
     run_ = {device, arrival, predicted_offset(device)};
     return false;
   }
