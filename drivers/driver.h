@@ -127,9 +127,27 @@ class Driver {
 
   virtual const Counters& counters() const = 0;
   virtual const DeviceInfo& info() const = 0;
+  /// The clock behind the stamps of frames; nullptr: there is none.
+  virtual const DeviceClock* clock() const { return nullptr; }
+  /// False if the device sends no time, so that the clock counts nominal intervals.
+  virtual bool sends_time() const { return true; }
   /// Empty: the driver reads no settings.
   virtual std::optional<SettingsStatus> settings(Stamp /*now*/) const { return std::nullopt; }
 };
+
+/// Properties of the driver's device, with a warning if its packets have no arrival times; `input`: their
+/// origin, for the sentence.
+inline DeviceInfo info_of(const Driver& driver, const std::string& input = "the capture") {
+  DeviceInfo info = driver.info();
+  const DeviceClock* const clock = driver.clock();
+  if (clock == nullptr || !clock->lacks_arrivals()) return info;
+  const char* const known = driver.sends_time()
+                                ? "stamps follow the sensors' clocks"
+                                : "the device sends no time either: stamps follow its nominal period";
+  info.warnings.push_back((clock->lacks_now() ? "" : "a part of ") + input + " has no arrival times; " + known +
+                          " and are not comparable between sensors");
+  return info;
+}
 
 struct Model;
 struct VelodyneControl;

@@ -37,10 +37,61 @@ constexpr double ln_2 = 0.6931;
 constexpr std::int64_t rate_time = 2000 * ms, rate_limit = 3 * ms / 20, rate_spreads = 3;
 /// In arrival mode a packet that is later is no jitter of a wired network: the host stalled.
 constexpr std::int64_t stall_limit = 10 * ms;
+/// The arrivals stand if they advance, apart from whole seconds, by less than this part of the device's time.
+constexpr std::int64_t standing_part = 8;
+/// After a longer time without packets, whole seconds mean nothing.
+constexpr std::int64_t longest_gap = 500 * ms;
+/// The least step of device time from packet to packet, for those in the wrong order.
+constexpr std::int64_t least_step = ms / 10;
+/// Packets that are early by more than early_limit while the arrivals stand are held, as are those of a run of
+/// run_limit. A host that stalls drains its burst sooner than after longest_run.
+constexpr std::int64_t early_limit = ms, run_limit = 1000 * ms, longest_run = 15'000 * ms;
+constexpr std::int64_t lacked_after = 3000 * ms;
+
+/// A span without its whole seconds, -0.5 to 0.5 s.
+std::int64_t beyond_seconds(std::int64_t span) {
+  constexpr std::int64_t second = 1000 * ms;
+  const std::int64_t rest = span % second;
+  return rest > second / 2 ? rest - second : rest < -second / 2 ? rest + second : rest;
+}
 
 }  // namespace
 
+bool DeviceClock::stands(Span device, Stamp arrival) const {
+  const std::int64_t passed = device.count() - newest_;
+  const std::int64_t moved = std::abs(beyond_seconds(arrival.ns - newest_arrival_));
+  if (!ready_ || device.count() < run_.device) return false;
+  if (passed >= longest_gap) return held_ && moved < early_limit;
+  return moved * standing_part <= std::max(passed, least_step);
+}
+
+/// True if the packet's arrival shows nothing.
+bool DeviceClock::hold(std::int64_t device, std::int64_t arrival) {
+  if (!stands(Span(device), Stamp{arrival})) {
+    // A burst at the begin of a stream: its last packet is the best one.
+    const bool was_burst = held_ && early_ && newest_ - run_.device < lacked_after;
+    held_ = early_ = false;
+    if (was_burst) {
+      const std::int64_t offset = newest_arrival_ - newest_;
+      base_offset_ += std::min<std::int64_t>(0, offset - predicted_offset(newest_));
+      if (offset < window_.offset) window_ = {newest_, offset};
+    }
+    run_ = {device, arrival, predicted_offset(device)};
+    return false;
+  }
+  const std::int64_t passed = device - run_.device;
+  early_ = early_ || arrival - device < run_.offset - early_limit || passed > longest_run;
+  lacked_ = lacked_ || (early_ && passed > lacked_after);
+  if (!held_ && (early_ || passed > run_limit)) {
+    held_ = true;
+    base_offset_ += run_.offset - predicted_offset(run_.device);
+  }
+  if (held_) late_since_ = 0;
+  return held_;
+}
+
 void DeviceClock::restart() {
+  if (ready_) newest_host_ = newest().ns;
   if (knows_drift_) {
     const std::int64_t seen = std::max(minima_[minima_count_ - 1].device - minima_[0].device, window_length_);
     const double deviation = 4 * static_cast<double>(spread_) / static_cast<double>(seen);
@@ -55,30 +106,35 @@ void DeviceClock::restart() {
 }
 
 void DeviceClock::reset() {
-  knows_drift_ = false;
+  knows_drift_ = held_ = early_ = lacked_ = false;
   expected_slope_ = slope_deviation_ = 0;
   restart();
 }
 
-void DeviceClock::begin(std::int64_t device, std::int64_t offset) {
+void DeviceClock::begin(std::int64_t device, std::int64_t arrival) {
+  std::int64_t offset = arrival - device;
+  // Without arrival times the stamps go on, by the device's clock unless it began anew.
+  if (held_) offset = std::max({offset, base_offset_, newest_host_ - device});
   if (!(slope_deviation_ > 0)) slope_deviation_ = unknown_drift;
   base_device_ = begun_ = window_begin_ = device;
   window_length_ = first_window;
   base_offset_ = offset;
   window_ = {device, offset};
+  run_ = {device, arrival, offset};
   ready_ = true;
 }
 
 void DeviceClock::observe(Span device_span, Stamp arrival) {
   const std::int64_t device = device_span.count();
   const std::int64_t offset = arrival.ns - device;
-  if (ready_) {
+  if (!ready_)
+    begin(device, arrival.ns);
+  else if (!hold(device, arrival.ns))
     follow(device, arrival.ns);
-  } else {
-    begin(device, offset);
-  }
+  newest_ = device;
+  newest_arrival_ = arrival.ns;
   const std::int64_t predicted = predicted_offset(device);
-  placed_ = offset - predicted > stall_limit ? predicted : offset;
+  placed_ = held_ || offset - predicted > stall_limit ? predicted : offset;
 }
 
 void DeviceClock::follow(std::int64_t device, std::int64_t arrival) {
@@ -89,7 +145,7 @@ void DeviceClock::follow(std::int64_t device, std::int64_t arrival) {
   if (residual < -step_limit || residual > longest_stall || late_for_long) {
     ++steps_;
     restart();
-    return begin(device, offset);
+    return begin(device, arrival);
   }
   if (residual > step_limit) return;
   late_since_ = 0;

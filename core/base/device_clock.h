@@ -23,6 +23,10 @@ enum class ClockMode : std::uint8_t {
 /// has the likeliest slope for exponentially distributed delays and crystals of the usual accuracy. The
 /// windows are short at first and grow, so that the stamps are right soon and quiet later. A counter that is
 /// rounded down reads low, which has the effect of a late packet. The same packets give the same stamps.
+///
+/// Records without arrival times (all of one time, of whole seconds, or counted up) show as packets that are
+/// early, and by more the longer the arrivals stand, apart from whole seconds. No network does that: a burst is
+/// late. Such packets are held: they follow the device's clock from the first one on.
 class DeviceClock {
  public:
   explicit DeviceClock(ClockMode mode = ClockMode::smooth) : mode_(mode) {}
@@ -47,6 +51,16 @@ class DeviceClock {
   bool knows_drift() const { return knows_drift_; }
   /// Mean delay of the earliest packet of each window above the line. Zero before the first window.
   Span spread() const { return Span(spread_); }
+  /// True if the packets have no arrival times, or had none for seconds.
+  bool lacks_arrivals() const { return lacked_ || lacks_now(); }
+  /// True if the newest packet's stamp follows the device's clock alone.
+  bool is_held() const { return held_; }
+  /// The same for long enough that it is no burst.
+  bool lacks_now() const { return early_ && newest_ - run_.device > certain_after; }
+  /// True if a packet would show nothing but the device's time: the arrivals stand, apart from whole seconds.
+  bool stands(Span device, Stamp arrival) const;
+  /// Host time of the newest packet's device time.
+  Stamp newest() const { return to_host(Span(newest_)); }
   /// Forgets the offset, since the device's time began anew (a reboot). The drift stays as the first guess:
   /// the crystal is the same.
   void restart();
@@ -58,7 +72,8 @@ class DeviceClock {
     std::int64_t device;
     std::int64_t offset;
   };
-  void begin(std::int64_t device, std::int64_t offset);
+  void begin(std::int64_t device, std::int64_t arrival);
+  bool hold(std::int64_t device, std::int64_t arrival);
   void follow(std::int64_t device, std::int64_t arrival);
   void close_window(std::int64_t device, std::int64_t offset);
   void forget_former_rate();
@@ -88,6 +103,15 @@ class DeviceClock {
   double slope_ = 0, expected_slope_ = 0, slope_deviation_ = 0;
   std::int64_t spread_ = 0;
   std::int64_t placed_ = 0;  // offset of the newest packet, in arrival mode
+  /// The packets while the arrivals stood: the first one, and the offset that was known then.
+  struct Run {
+    std::int64_t device, arrival, offset;
+  };
+  static constexpr std::int64_t certain_after = 300'000'000;
+  Run run_{};
+  std::int64_t newest_ = 0, newest_arrival_ = 0;  // of the newest packet, device time first
+  std::int64_t newest_host_ = 0;                  // its stamp before a restart
+  bool held_ = false, early_ = false, lacked_ = false;
 };
 
 }  // namespace lidard

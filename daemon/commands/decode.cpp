@@ -172,7 +172,7 @@ int decode_sensor(const DecodeOptions& options, const FoundSensor& sensor, Calib
   err << text_of(sensor) << ": " << output.frames() << " frames, " << output.returns() << " returns\n";
   print_counters(driver->counters(), err);
   print_capture_counters(source.counters(), others, err);
-  for (const auto& warning : driver->info().warnings) err << "note: " << warning << '\n';
+  for (const auto& warning : info_of(*driver).warnings) err << "note: " << warning << '\n';
   const bool came = print_report(options, output, sensor, err);
   return came && !source.is_damaged() ? exit_ok : exit_failed;
 }

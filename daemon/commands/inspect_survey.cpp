@@ -181,6 +181,10 @@ void judge(const std::vector<std::string>& captures, bool first_frames, std::vec
       Receiver& receiver = receivers[*owner];
       if (packet.transport == Transport::udp || receiver.connection.pick(packet))
         receiver.driver->receive(packet, receiver.times);
+      // Where the capture has no arrival times the device's clock shows how long it lasts.
+      const DeviceClock* const clock = receiver.driver->clock();
+      SeenFlow& data = sensors[*owner].data;
+      if (clock != nullptr && clock->lacks_now()) data.last = std::max(data.last, clock->newest());
       return !first_frames || std::any_of(sensors.begin(), sensors.end(),
                                           [](const FoundSensor& sensor) { return sensor.frames == 0; });
     });
@@ -188,7 +192,7 @@ void judge(const std::vector<std::string>& captures, bool first_frames, std::vec
   for (std::size_t i = 0; i < sensors.size(); ++i) {
     receivers[i].driver->finish(receivers[i].times);
     sensors[i].counters = receivers[i].driver->counters();
-    sensors[i].info = receivers[i].driver->info();
+    sensors[i].info = info_of(*receivers[i].driver);
   }
 }
 

@@ -140,11 +140,14 @@ bool Player::play_once(const std::function<bool()>& stop) {
       begin_ = first_ = last_ = packet.arrival;
       wall_begin_ = std::chrono::steady_clock::now();
     }
+    const Stamp at = pipeline_.time_of(packet);
+    const double made = seconds(at - packet.arrival);
+    if (options_.duration >= 0 && into + made >= options_.start + options_.duration) break;
     // The time that a clock was set ahead by has no events.
-    if (waits && !wait_for(packet.arrival, stop)) return false;
-    show_time(packet.arrival);
+    if (waits && !wait_for(at, stop)) return false;
+    show_time(at);
     pipeline_.packet(packet);
-    pipeline_.tick(packet.arrival);
+    pipeline_.tick(at);
     if (progress.is_due()) {
       std::uint64_t frames = 0;
       std::uint64_t lost = 0;

@@ -99,14 +99,24 @@ Sensor* Pipeline::owner_of(const Packet& packet) {
   return nullptr;
 }
 
+Stamp Pipeline::time_of(const Packet& packet) const {
+  constexpr Span one_time = std::chrono::seconds(2);
+  const bool lacks_time = made_time_ && std::chrono::abs(packet.arrival - made_time_->arrival) < one_time;
+  return lacks_time ? made_time_->now : packet.arrival;
+}
+
 void Pipeline::packet(const Packet& packet) {
-  advance(packet.arrival);
+  const Stamp now = time_of(packet);
+  made_ahead_ = now - packet.arrival;
+  advance(now);
   Sensor* const sensor = owner_of(packet);
   if (sensor == nullptr) return;
   if (packet.transport == Transport::tcp)
-    sensor->receive_recorded(packet);
+    sensor->receive_recorded(packet, now);
   else
-    sensor->receive(packet, packet.arrival);
+    sensor->receive(packet, now);
+  if (const auto newest = sensor->made_time())
+    made_time_ = MadeTime{packet.arrival, std::max(*newest, now)};
 }
 
 void Pipeline::chunk(std::size_t sensor, const Packet& packet) {
@@ -243,7 +253,7 @@ void Pipeline::tick(Stamp now) {
   advance(now);
   advance_to(now);
   for (const auto& sensor : sensors_) {
-    sensor->tick(now);
+    sensor->tick(now - made_ahead_);
     diagnostics_wanted_ = sensor->silence_changed(now) || diagnostics_wanted_;
   }
   const Span since = now - last_diagnostics_;
@@ -259,6 +269,7 @@ void Pipeline::restart() {
   for (const auto& sensor : sensors_) sensor->restart();
   for (const auto& output : outputs_) output->restart();
   motion_.restart();
+  made_time_.reset();
   knows_next_event_ = false;
 }
 

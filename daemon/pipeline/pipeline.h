@@ -85,6 +85,9 @@ class Pipeline final : public MessageReceiver {
 
   /// A datagram, or a chunk of a connection in a capture; finds the sensor it belongs to by port and sender.
   void packet(const Packet& packet);
+  /// The time at which a packet counts as received: its arrival, or the time by the sensors' clocks where
+  /// the capture has no arrival times.
+  Stamp time_of(const Packet& packet) const;
 
   /// Where requests to devices go; must outlive the pipeline's use. nullptr, as in replay: they are dropped.
   void set_links(DeviceConnections* links) { sensor_context_.connections = links; }
@@ -156,6 +159,12 @@ class Pipeline final : public MessageReceiver {
   List<Output> outputs_;
   Outlet outlet_;
   SensorContext sensor_context_{outlet_, motion_};
+  /// The time by the sensors' clocks, when packets had this arrival.
+  struct MadeTime {
+    Stamp arrival, now;
+  };
+  std::optional<MadeTime> made_time_;
+  Span made_ahead_{0};  // by which the time was ahead of the newest packet's arrival
   OutputContext output_context_{vehicle_, frames_, outlet_};
   StartWatch start_;
   std::optional<Stamp> next_event_;

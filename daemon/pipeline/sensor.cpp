@@ -98,8 +98,14 @@ void Sensor::receive_message(Packet packet, Stamp received) {
   receive(packet, received);
 }
 
-void Sensor::receive_recorded(Packet chunk) {
-  if (connection_.pick(chunk)) receive(chunk, chunk.arrival);
+void Sensor::receive_recorded(Packet chunk, Stamp received) {
+  if (connection_.pick(chunk)) receive(chunk, received);
+}
+
+std::optional<Stamp> Sensor::made_time() const {
+  const DeviceClock* const clock = driver_ ? driver_->clock() : nullptr;
+  if (clock == nullptr || !clock->lacks_now()) return std::nullopt;
+  return clock->newest();
 }
 
 void Sensor::scan(PlanarScan& scan) {
@@ -248,9 +254,9 @@ void Sensor::clock_jumped(Stamp now) {
   if (last_telemetry_) last_telemetry_ = std::min(*last_telemetry_, now);
 }
 
-void Sensor::tick(Stamp now) {
+void Sensor::tick(Stamp by_arrivals) {
   if (driver_ == nullptr) return;
-  driver_->tick(now, *this);
+  driver_->tick(by_arrivals, *this);
   apply_connection_request();
 }
 
@@ -277,7 +283,9 @@ SensorReport Sensor::report() const {
   report.name = config_.name;
   report.model = driver_ ? std::string(config_.model->name) : "topic";
   report.counters = counters();
-  if (driver_) report.info = driver_->info();
+  if (driver_)
+    report.info = config_.packet_topic.empty() ? info_of(*driver_)
+                                               : info_of(*driver_, "topic " + config_.packet_topic);
   if (filter_) {
     report.filter = filter_->counters();
     report.filter_trouble = filter_trouble(filter_->counters(), topic_->name);

@@ -81,7 +81,9 @@ class Sensor final : public DriverOutput {
   /// Accepts a packet that another node received and stamped.
   void receive_message(Packet packet, Stamp received);
   /// Accepts a chunk of one of its connections in a capture; one connection at a time is used.
-  void receive_recorded(Packet chunk);
+  void receive_recorded(Packet chunk, Stamp received);
+  /// The time by the device's clock, if the newest packets have no arrival times.
+  std::optional<Stamp> made_time() const;
   void connected(Stamp now);
   void disconnected() { driver_->disconnected(); }
   /// Accepts a scan of another driver. A scan without beams becomes an unobserved one, so that it counts as
@@ -95,7 +97,8 @@ class Sensor final : public DriverOutput {
   std::optional<Stamp> next_event() const { return placer_ ? placer_->next_event() : std::nullopt; }
   /// Call after a jump of the clock.
   void clock_jumped(Stamp now);
-  void tick(Stamp now);
+  /// `by_arrivals`: the time on the scale of the packets' arrivals.
+  void tick(Stamp by_arrivals);
   /// True once when the sensor becomes silent, when that becomes an error, or when data arrives again.
   bool silence_changed(Stamp now);
   /// End of the input: publishes complete frames.

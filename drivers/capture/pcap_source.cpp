@@ -130,7 +130,8 @@ bool PcapSource::decode(const CaptureRecord& record, Packet& packet) {
   HeaderResult result = find_ip(record.link_type, record.bytes, link);
   if (result == HeaderResult::ok) result = parse_ip(link.bytes, link.v6, ip);
   if (result != HeaderResult::ok) return count(result, snapped);
-  packet.arrival = record.stamp;
+  // Records without a time: beams lie before the arrival, and ROS has no time before 1970.
+  packet.arrival = record.stamp == Stamp{} ? Stamp{} + std::chrono::seconds(1) : record.stamp;
   return ip.fragment.is_fragment ? add_fragment(ip, snapped, packet) : decode_transport(ip, snapped, packet);
 }
 

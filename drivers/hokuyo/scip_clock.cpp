@@ -180,7 +180,9 @@ Stamp ScipClock::begin_of(const Sweep& sweep, std::int64_t& skipped) {
     clock_.observe(sent_at(read, sweep), sweep.arrival);
     const Stamp middle = clock_.to_host(read + Span(ms / 2) + sweep.until_sent);
     learn_delay(sweep.arrival);
-    const Stamp end = delay_ ? middle - Span(*delay_) : std::min(middle, sweep.arrival);
+    const Stamp end = delay_              ? middle - Span(*delay_)
+                      : clock_.is_held() ? middle
+                                         : std::min(middle, sweep.arrival);
     return as_compared(end - sweep.until_sent, read, sweep);
   } else {
     begin = begin_by_line(sweep, read);
@@ -211,7 +213,7 @@ Stamp ScipClock::as_compared(Stamp begin, Span read, const Sweep& sweep) const {
 
 /// Begin of the newest turn by the line. A better line is applied to all turns so far again.
 Span ScipClock::begin_by_line(const Sweep& sweep, Span read) {
-  if (turns_.fit()) {
+  if (turns_.fit() && !clock_.is_held()) {
     clock_.restart();
     for (const TurnLine::Turn& turn : turns_.turns()) observe_turn(turn, sweep);
   } else {

@@ -56,6 +56,7 @@ class ScipDriver final : public DriverBase, private ScipDialogue::Owner {
     dialogue_.disconnected();
   }
 
+  const DeviceClock* clock() const override { return &clock_.clock(); }
   void tick(Stamp now, DriverOutput& out) override {
     dialogue_.tick(now, out);
     describe_clock(clock_.clock(), clock_.wraps(), now);

@@ -123,6 +123,7 @@ class UamDriver final : public DriverBase {
     step_ = Step::idle;
   }
 
+  const DeviceClock* clock() const override { return &clock_.clock(); }
   void tick(Stamp now, DriverOutput& out) override {
     describe_clock(clock_.clock(), clock_.wraps(), now);
     if (step_ == Step::idle || !patience_.is_over(now)) return;

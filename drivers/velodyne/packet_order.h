@@ -183,7 +183,14 @@ class PacketOrder {
     counters_.lost_packets += hidden_.receive(last_azimuths_);
   }
 
-  Span since_last(const OrderedPacket& p) const { return hour_difference(p.view().stamp_us(), last_us_); }
+  /// The arrivals show the full hours of a pause, which stamps within the hour do not.
+  Span since_last(const OrderedPacket& p) const {
+    constexpr Span hour = std::chrono::hours(1);
+    const Span step = hour_difference(p.view().stamp_us(), last_us_);
+    const bool is_next = step > Span(0) && (step - due()) * 2 <= last_period_;
+    const auto hours = std::llround(seconds(p.arrival - last_arrival_ - step) / seconds(hour));
+    return is_next || hours <= 0 ? step : Span(step + hour * hours);
+  }
   /// The held packet has another product byte; the next packet's period decides whether the byte is wrong.
   bool is_product_undecided() const {
     return holding_ && held_.other_product && held_.view().product() != lying_product_;

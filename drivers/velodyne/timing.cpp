@@ -138,8 +138,7 @@ void ArrivalStamps::reset() {
 }
 
 /// An integer; 0: a duplicate, negative: a late packet.
-double ArrivalStamps::packets_since(Stamp arrival, double azimuth_deg) const {
-  const Span elapsed = arrival - last_arrival_;
+double ArrivalStamps::packets_since(Span elapsed, double azimuth_deg) const {
   const double by_arrival = static_cast<double>(elapsed.count()) / period_ns_.value();
   const double most = by_arrival + slack_packets;
   const double turn = turn_deg_.packets > 0 ? turn_deg_.value() : 0;
@@ -186,12 +185,20 @@ void ArrivalStamps::advance(Span elapsed, double turned, double packets) {
 
 void ArrivalStamps::stamp(Stamp arrival, const PacketAzimuths& azimuths, std::uint8_t* packet) {
   const double azimuth = azimuths.group_deg(0);
+  // A burst of a network card has fewer packets that stand.
+  constexpr std::size_t most_in_burst = 8;
+  const double beyond_s = std::remainder(seconds(arrival - last_arrival_), 1);
+  standing_ = std::abs(beyond_s) * 8e9 < period_ns_.value() ? standing_ + 1 : 0;
   if (!started_) {
     started_ = true;
     time_ns_ = lag_ns_ = 0;
     turn_deg_.add(azimuths.step_deg * static_cast<double>(azimuths.groups), 1, turn_window);
   } else if (azimuths.step_deg <= 0 || !is_repeated(packet)) {
-    advance(arrival - last_arrival_, turned_deg(last_azimuth_deg_, azimuth), packets_since(arrival, azimuth));
+    const bool stands = standing_ > most_in_burst;
+    const Span elapsed = stands ? Span(0) : arrival - last_arrival_;
+    const double packets = packets_since(elapsed, azimuth);
+    const Span by_period(std::llround(packets * period_ns_.value()));
+    advance(stands ? by_period : elapsed, turned_deg(last_azimuth_deg_, azimuth), packets);
   }
   last_arrival_ = arrival;
   last_azimuth_deg_ = azimuth;

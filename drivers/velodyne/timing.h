@@ -61,7 +61,8 @@ class TimingChooser {
 ///
 /// The azimuth gives the number of packets modulo a turn, and the arrival gives the turns. A late packet gets
 /// the number of its place, a duplicate the same number again. If the azimuth is implausible (the head
-/// stopped, or packets of two sensors), only the arrivals count. The clock that maps the stamps to the host's
+/// stopped, or packets of two sensors), only the arrivals count. Where the arrivals stand, apart from whole
+/// seconds, the azimuths alone count packets of the period so far. The clock that maps the stamps to the host's
 /// time smooths the jitter of arrivals.
 class ArrivalStamps {
  public:
@@ -79,7 +80,7 @@ class ArrivalStamps {
     double value() const { return sum / packets; }
     void add(double amount, double count, double window);
   };
-  double packets_since(Stamp arrival, double azimuth_deg) const;
+  double packets_since(Span elapsed, double azimuth_deg) const;
   bool is_repeated(const std::uint8_t* packet) const;
   void advance(Span elapsed, double turned_deg, double packets);
   void learn(Span elapsed, double turned_deg, double packets);
@@ -88,6 +89,7 @@ class ArrivalStamps {
   Mean period_ns_, turn_deg_;
   bool started_ = false;
   Stamp last_arrival_;
+  std::size_t standing_ = 0;  // packets in a row whose arrivals stood
   double last_azimuth_deg_ = 0;
   std::array<std::uint8_t, stamp_offset> last_{};  // blocks of the last packet
   double time_ns_ = 0;

@@ -106,6 +106,8 @@ class VelodyneDriver final : public DriverBase {
     describe_status();
   }
 
+  const DeviceClock* clock() const override { return &clock_; }
+  bool sends_time() const override { return row_.has_stamp(); }
   std::optional<SettingsStatus> settings(Stamp now) const override {
     if (!web_) return std::nullopt;
     constexpr Span silent_after = std::chrono::seconds(1);

@@ -72,7 +72,9 @@ class ColaStates {
     // The pins of some devices have no stamp, and a new subscription begins with old times, perhaps of before
     // the counter's overflow.
     const bool use = time_us && clock.ready();
-    return (use ? std::min(clock.to_host(clock.near_last(*time_us)), arrival) : arrival) + time_offset_;
+    if (!use) return arrival + time_offset_;
+    const Stamp stamp = clock.to_host(clock.near_last(*time_us));
+    return (clock.clock().is_held() ? stamp : std::min(stamp, arrival)) + time_offset_;
   }
 
   Reject read_fields(const ColaTelegram& telegram, Stamp arrival, const ColaClock& clock, DriverOutput& out) {
@@ -107,7 +109,7 @@ class ColaStates {
     const Reject reason = parse_cola_imu(telegram, read);
     if (reason != Reject::none) return reason;
     if (std::exchange(imu_us_, read.time_us) == read.time_us) return Reject::duplicate;
-    imu_->stamp = std::min(stamp_of(read.time_us, arrival, clock), arrival + time_offset_);
+    imu_->stamp = stamp_of(read.time_us, arrival, clock);
     set_imu(read.acceleration, read.angular_velocity, read.orientation, imu_);
     out.message(imu_);
     return Reject::none;
@@ -165,6 +167,8 @@ class ColaDriver final : public DriverBase {
     if (dialogue_.changed()) show_info();
   }
 
+  const DeviceClock* clock() const override { return &clock_.clock(); }
+  bool sends_time() const override { return clock_.sends_time(); }
   void finish(DriverOutput& out) override { cloud_builder_.finish(out); }
 
   void restart() override {
@@ -227,7 +231,8 @@ class ColaDriver final : public DriverBase {
   /// The unwrapped start time of the scan.
   Span observe(Stamp arrival) {
     const Span rest = row_.stamp == ColaStamp::last_beam ? Span(0) : geometry_.sweep();
-    return clock_.observe(scan_.start_us, scan_.transmit_us, rest, arrival);
+    const double period_s = scan_.scan_hz > 0 ? 1 / scan_.scan_hz : config_.model->frame_period;
+    return clock_.observe(scan_.start_us, scan_.transmit_us, rest, span_from_seconds(period_s), arrival);
   }
 
   /// True for a scan; LMDscandatamon is ignored if the device also sends LMDscandata, which it repeats.

@@ -89,10 +89,14 @@ class ColaClock {
   explicit ColaClock(ClockMode mode) : clock_(mode) {}
 
   /// Adds a telegram with its two times; `rest` of the measurement follows the start time; it is used if the
-  /// device sends no time of transmission. Returns the unwrapped start time.
-  Span observe(std::uint32_t start_us, std::uint32_t transmit_us, Span rest, Stamp arrival) {
+  /// device sends no time of transmission. A device that sends 0 has no clock: telegrams are placed by their
+  /// arrivals, or `period` apart where these stand. Returns the unwrapped start time.
+  Span observe(std::uint32_t start_us, std::uint32_t transmit_us, Span rest, Span period, Stamp arrival) {
+    sends_time_ = start_us != 0 || (started_ && start_us_ != 0);
     if (!started_) {
       device_ = std::chrono::microseconds(start_us);
+    } else if (!sends_time_) {
+      device_ += clock_.stands(device_ + period + rest, arrival) ? period : arrival - arrival_;
     } else {
       const Span ahead = std::chrono::microseconds(start_us - start_us_);
       if (start_us < start_us_) ++wraps_;
@@ -120,6 +124,8 @@ class ColaClock {
   Stamp to_host(Span device) const { return clock_.to_host(device); }
   bool ready() const { return started_; }
   std::uint64_t steps() const { return clock_.steps(); }
+  /// False if the device sends 0 instead of its time.
+  bool sends_time() const { return sends_time_; }
   /// Number of overflows (one per 71.6 min).
   std::uint64_t wraps() const { return wraps_; }
   const DeviceClock& clock() const { return clock_; }
@@ -144,7 +150,7 @@ class ColaClock {
   static constexpr Span longest_way = std::chrono::seconds(10);
 
   DeviceClock clock_;
-  bool started_ = false;
+  bool started_ = false, sends_time_ = true;
   std::optional<Span> shortest_way_;
   std::uint64_t wraps_ = 0;
   std::uint32_t start_us_ = 0;

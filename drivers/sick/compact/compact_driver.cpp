@@ -70,6 +70,7 @@ class CompactDriver final : public DriverBase {
     flush(out, false);
   }
 
+  const DeviceClock* clock() const override { return &clock_; }
   void finish(DriverOutput& out) override { flush(out, true); }
 
   void restart() override {
@@ -288,14 +289,11 @@ class CompactDriver final : public DriverBase {
   /// if there are no scans or the times differ.
   Stamp stamp_of(std::uint64_t us, Stamp arrival) {
     const std::uint64_t apart = us > last_stop_us_ ? us - last_stop_us_ : last_stop_us_ - us;
-    Stamp stamp;
-    if (clock_.ready() && apart < one_clock_us) {
-      stamp = clock_.to_host(device_span(us));
-    } else {
-      side_clock_.observe(device_span(us), arrival);
-      stamp = side_clock_.to_host(device_span(us));
-    }
-    return std::min(stamp, arrival) + config_.time_offset;
+    const bool is_common = clock_.ready() && apart < one_clock_us;
+    if (!is_common) side_clock_.observe(device_span(us), arrival);
+    const DeviceClock& clock = is_common ? clock_ : side_clock_;
+    const Stamp stamp = clock.to_host(device_span(us));
+    return (clock.is_held() ? stamp : std::min(stamp, arrival)) + config_.time_offset;
   }
 
   DeviceClock clock_;

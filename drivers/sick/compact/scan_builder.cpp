@@ -89,10 +89,7 @@ class ScanBuilder final : public FrameBuilder {
     return true;
   }
 
-  void restart() override {
-    stamps_.reset();
-    last_first_us_ = 0;
-  }
+  void restart() override { stamps_.reset(); }
 
  private:
   void learn_window(const RasterScan& raster, std::uint64_t segments) {
@@ -162,15 +159,9 @@ class ScanBuilder final : public FrameBuilder {
         device_span(raster.base_us()) + std::chrono::nanoseconds(std::llround(to_first_us * 1e3));
     scan_.stamp = stamps_.next(clock_.to_host(first) + config_.time_offset);
     scan_.time_increment = static_cast<float>(times.beam_us * 1e-6);
+    // Of this frame alone: the one before may be damaged.
     const double turn_s = times.beam_us * 1e-6 * two_pi / grid_->step;
     if (turn_s > 0) scan_.scan_time = static_cast<float>(turn_s);
-    const auto first_us = static_cast<std::uint64_t>(first.count() / 1000);
-    const double since_s =
-        first_us > last_first_us_ ? static_cast<double>(first_us - last_first_us_) * 1e-6 : 0;
-    // Otherwise a frame was lost in between.
-    if (last_first_us_ != 0 && since_s > 0.5 * turn_s && since_s < 1.5 * turn_s)
-      scan_.scan_time = static_cast<float>(since_s);
-    last_first_us_ = first_us;
   }
 
   /// Publishes the scan with only the beams that hit a reflector.
@@ -203,7 +194,6 @@ class ScanBuilder final : public FrameBuilder {
   std::size_t first_segment_ = 0, last_segment_ = 0;
   SteadyStamps stamps_;
   double beam_us_ = 0;  // from beam to beam, of the last frame that shows it; 0: unknown
-  std::uint64_t last_first_us_ = 0;
   PlanarScan scan_;
   PlanarScan marked_;
 };

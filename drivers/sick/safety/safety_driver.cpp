@@ -76,6 +76,7 @@ class SafetyDriver final : public DriverBase {
     note_dialogue();
   }
 
+  const DeviceClock* clock() const override { return &clock_.clock(); }
   void finish(DriverOutput&) override { reassembler_.give_up_all(); }
 
   void restart() override {

@@ -47,7 +47,9 @@ class ScanClock {
     // A scan later by more than this is no stall of the network: the mirror stood or a clock was set.
     constexpr Span longest_stall = std::chrono::milliseconds(500);
     const auto ahead = static_cast<std::int32_t>(number - number_);
-    return scan_time == scan_time_ && ahead > 0 && arrival - arrival_ - scan_time * ahead <= longest_stall;
+    const Span passed = scan_time * ahead;
+    return scan_time == scan_time_ && ahead > 0 &&
+           (arrival - arrival_ - passed <= longest_stall || clock_.stands(device_ + passed, arrival));
   }
 
   DeviceClock clock_;
