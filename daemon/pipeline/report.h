@@ -35,6 +35,7 @@ struct SensorReport {
   std::string link_trouble;  ///< while silent: a fault of its connection or this host's network; empty: none
   std::string link_hint;     ///< while silent: a possible cause there
   std::string other_model;   ///< the model of packets of another model; empty: unknown
+  std::string two_devices;   ///< a sentence on two devices with its address; empty: there is one
   bool starting = false;     ///< the first second after the start: silence is no fault yet
   Reception recent, whole;   ///< of the last 10 s, and since the start
 };
