@@ -36,6 +36,8 @@ struct Packet {
   bool stream_start = false;  ///< first chunk of a connection, or of its part in a capture
   std::uint64_t missing = 0;  ///< bytes of the stream lost right before this chunk (captures with holes)
   HostStamp received{};       ///< live: the kernel's receive stamp
+  /// Of an unknown sender, live: this packet and those before it that the kernel's filter dropped.
+  std::uint64_t stands_for = 1;
 };
 
 /// A driver's verdict on a packet or on a chunk of a stream. The driver has counted it.
@@ -80,6 +82,8 @@ struct DeviceInfo {
   std::vector<std::pair<std::string, std::string>> details;  ///< for diagnostics, in display order
   std::vector<std::string> warnings;                         ///< full sentences, each with its remedy
   bool has_fault = false;  ///< one of the warnings says that the device itself is in error
+  /// Two devices whose data come from one address ("scanner 17 and scanner 18"); empty: one device sends.
+  std::string two_devices;
 
   /// Sets a detail; a new one is appended.
   void set(std::string_view key, std::string_view value) {

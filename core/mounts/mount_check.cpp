@@ -25,6 +25,13 @@ constexpr std::size_t fewest_surfaces = 2;
 constexpr double tolerance_m = 0.015, tolerance_rad = 0.25 * rad_per_deg, significant = 2;
 // So many comparisons in a row that differ from the ones before are a mount that has moved.
 constexpr std::size_t comparisons_of_change = 6;
+// A pose far from the configured one must explain so much more of the returns that both should see. Farther off,
+// another wall of a room that looks alike from both ends would do.
+constexpr double better_share = 0.1, farthest_m = 1.5;
+// If less than this share of them is where both look, none sees what the other sees: scanners of different
+// heights agree on more. So many must be judged.
+constexpr double astray_share = 0.4;
+constexpr std::size_t fewest_judged = 50;
 // If the surroundings move by less between two comparisons, the vehicle counts as standing: two sweeps are
 // much closer in time. A turn counts by the way of what is 5 m away.
 constexpr double standing_m = 0.03, turning_arm_m = 5;
@@ -79,6 +86,7 @@ void MountCheck::reset() {
   updated_.reset();
   for (Source& source : sources_) source.surfaces.clear();
   memories_.assign(pairs_.size(), {}), changed_ = memories_;
+  far_.assign(pairs_.size(), {});
   for (MountDifference& pair : pairs_) pair = {pair.first, pair.second};
 }
 
@@ -99,20 +107,50 @@ bool MountCheck::Source::stands() const {
          std::hypot(moved.pose.x, moved.pose.y) + turning_arm_m * std::abs(moved.pose.yaw) < standing_m;
 }
 
-void MountCheck::find_source(const PlacedScan& sweep, const Vector2d& place, std::vector<Surface>& surfaces) {
-  view_.beams.resize(sweep.kind.size());
-  view_.step = 0;
+void MountCheck::find_source(const PlacedScan& sweep, const Vector2d& place, Source& source) {
+  StillView& view = source.views[0];
+  view.beams.resize(sweep.kind.size());
+  view.step = 0;
   for (std::size_t i = 0; i < sweep.kind.size(); ++i) {
-    StillBeam& beam = view_.beams[i];
+    StillBeam& beam = view.beams[i];
     beam.point = Vector2d(static_cast<double>(sweep.x[i]), static_cast<double>(sweep.y[i])) - place;
     beam.range =
         sweep.kind[i] == Return::surface ? beam.point.norm() : std::numeric_limits<double>::quiet_NaN();
-    if (view_.step > 0 || i == 0 || !beam.is_hit() || !view_.beams[i - 1].is_hit()) continue;
-    view_.step = std::acos(
-        std::min(1.0, beam.point.dot(view_.beams[i - 1].point) / (beam.range * view_.beams[i - 1].range)));
+    if (view.step > 0 || i == 0 || !beam.is_hit() || !view.beams[i - 1].is_hit()) continue;
+    view.step = std::acos(
+        std::min(1.0, beam.point.dot(view.beams[i - 1].point) / (beam.range * view.beams[i - 1].range)));
   }
-  estimate_noise(view_, scratch_);
-  find_surfaces(view_, surfaces);
+  estimate_noise(view, scratch_);
+  find_surfaces(view, source.surfaces);
+}
+
+/// The pose near the configured one that fits the surfaces. Where few fit, a pose far off, as of a mount that is
+/// wrong by many degrees, if it explains more of the returns.
+MatchedPose MountCheck::match(std::size_t index, const PlanarPose& configured, Stamp stamp) {
+  MountDifference& pair = pairs_[index];
+  const Source &first = sources_[pair.first], &second = sources_[pair.second];
+  const MatchedPose near = refine_match(first.surfaces, second.surfaces, configured, same_surface_m);
+  auto& [far, next_search] = far_[index];
+  const bool fits = near.pairs > fewest_surfaces;
+  if (fits) far.reset(), pair.astray_since.reset(), pair.is_astray = false;
+  if (fits || (!far && stamp < next_search)) return near;
+  next_search = stamp + std::chrono::seconds(1);
+  const Agreement now = agreement(first, second, configured);
+  const MatchedPose other =
+      refine_match(first.surfaces, second.surfaces,
+                   far ? *far : match_surfaces(first.surfaces, second.surfaces, configured));
+  const double moved = std::hypot(other.pose.x - configured.x, other.pose.y - configured.y);
+  const bool is_better = moved < farthest_m && now.judged() >= fewest_judged && other.pairs > std::max(near.pairs, fewest_surfaces) &&
+                         agreement(first, second, other.pose).share() >= now.share() + better_share;
+  far = is_better ? std::optional<PlanarPose>(other.pose) : std::nullopt;
+  const bool is_astray = !is_better && near.pairs < fewest_surfaces && now.judged() >= fewest_judged &&
+                         now.share() < astray_share;
+  if (!is_astray)
+    pair.astray_since.reset();
+  else if (!pair.astray_since)
+    pair.astray_since = stamp;
+  pair.is_astray = is_astray && stamp - *pair.astray_since >= confirmed_after;
+  return is_better ? other : near;
 }
 
 void MountCheck::assess(const Memory& memory, MountDifference& pair) {
@@ -127,8 +165,7 @@ void MountCheck::assess(const Memory& memory, MountDifference& pair) {
 void MountCheck::compare(std::size_t index, const Vector2d& offset, Stamp stamp, double kept) {
   MountDifference& pair = pairs_[index];
   Memory &memory = memories_[index], &changed = changed_[index];
-  const MatchedPose look = refine_match(sources_[pair.first].surfaces, sources_[pair.second].surfaces,
-                                        {offset.x(), offset.y(), 0}, same_surface_m);
+  const MatchedPose look = match(index, {offset.x(), offset.y(), 0}, stamp);
   pair.surfaces = look.pairs >= fewest_surfaces ? look.pairs : 0;
   if (pair.surfaces == 0) return;
   const Vector3d off(look.pose.x - offset.x(), look.pose.y - offset.y(), look.pose.yaw);
@@ -153,7 +190,7 @@ void MountCheck::update(Stamp stamp, const std::vector<const PlacedScan*>& sweep
   for (std::size_t s = 0; s < sources_.size(); ++s) {
     sources_[s].before.swap(sources_[s].surfaces);
     sources_[s].surfaces.clear();
-    if (sweeps[s] != nullptr) find_source(*sweeps[s], places[s], sources_[s].surfaces);
+    if (sweeps[s] != nullptr) find_source(*sweeps[s], places[s], sources_[s]);
   }
   for (std::size_t i = 0; i < pairs_.size(); ++i) {
     const std::size_t first = pairs_[i].first, second = pairs_[i].second;
@@ -169,7 +206,7 @@ std::optional<std::size_t> MountCheck::wrong_source() const {
     std::size_t with = 0, agreeing = 0, others = 0;
     for (const MountDifference& pair : pairs_) {
       const bool is_own = pair.first == s || pair.second == s;
-      if (pair.is_wrong)
+      if (pair.is_wrong || pair.is_astray)
         ++(is_own ? with : others);
       else if (pair.surfaces > 0 && is_own)
         ++agreeing;

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/base/time.h"
@@ -26,6 +27,9 @@ struct MountDifference {
   /// The correction exceeds the tolerance beyond chance, since then; the first comparison that showed it.
   std::optional<Stamp> since{};
   bool is_wrong = false;  ///< it has exceeded the tolerance for 5 s
+  /// Since then no surface of one is where the other one looks, though their fields of view overlap.
+  std::optional<Stamp> astray_since{};
+  bool is_astray = false;  ///< for 5 s; no correction can be named
 };
 
 /// Compares the upright surfaces that sources see while the vehicle is in operation, as `lidard calibrate`
@@ -60,20 +64,23 @@ class MountCheck {
     double square = 0;                                 // of the corrections, in their deviations
     void add(const MatchedPose& look, const Eigen::Vector3d& off, Stamp stamp, double kept);
   };
-  struct Source {
-    std::vector<Surface> surfaces, before;  // of the newest comparison and the one before
+  struct Source : SeenPlace {  // in the newest comparison
+    Source() { views.resize(1); }
+    std::vector<Surface> before;  // the surfaces of the comparison before
     bool stands() const;
   };
-  void find_source(const PlacedScan& sweep, const Eigen::Vector2d& place, std::vector<Surface>& surfaces);
+  void find_source(const PlacedScan& sweep, const Eigen::Vector2d& place, Source& source);
+  MatchedPose match(std::size_t pair, const PlanarPose& configured, Stamp stamp);
   void compare(std::size_t pair, const Eigen::Vector2d& offset, Stamp stamp, double kept);
   static void assess(const Memory& memory, MountDifference& pair);
 
   std::optional<Stamp> updated_;
   std::vector<Source> sources_;
-  StillView view_;
   std::vector<double> scratch_;
   std::vector<MountDifference> pairs_;
   std::vector<Memory> memories_, changed_;  // by pair: what holds, and what differs from it
+  /// By pair: a pose far from the configured one that fits better, and when the next one is searched.
+  std::vector<std::pair<std::optional<PlanarPose>, Stamp>> far_;
 };
 
 }  // namespace lidard

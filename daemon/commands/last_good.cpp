@@ -49,7 +49,8 @@ std::string LastGood::keep(const Config& config) const {
     fs::remove_all(folder_);
     fs::rename(part, folder_);
   } catch (const std::exception& error) {
-    return std::string("the configuration cannot be kept for a start with a wrong file: ") + error.what();
+    return std::string("the configuration cannot be kept for a start with a wrong file: ") + error.what() +
+           "; make room there, or correct its rights";
   }
   return {};
 }

@@ -29,7 +29,7 @@
 namespace lidard {
 namespace {
 
-constexpr int ticks_per_status = 10;
+constexpr int ticks_per_status = 10, ticks_per_retry = 100;
 /// Diagnostics come once per second.
 constexpr Span longest_report_age = std::chrono::seconds(2);
 /// A running thread makes ten rounds per second.
@@ -121,9 +121,13 @@ class Daemon {
   /// All sockets are open.
   void came_up() {
     service_.ready(status(ros_.diagnostics(clock_.now())));
-    // The configuration in force is the stored copy already.
+    keep_config();
+  }
+  void keep_config() {
+    // After a wrong file the configuration in force is the stored copy already.
     if (!trouble_.empty()) return;
-    if (const std::string why = last_good_.keep(*config_); !why.empty()) log_warn("{}", why);
+    const std::string before = std::exchange(not_kept_, last_good_.keep(*config_));
+    if (!not_kept_.empty() && before.empty()) log_warn("{}", not_kept_);
   }
   /// Starts the thread of the worker for clouds when it first has sensors. Throws std::system_error.
   void start_clouds(const Config& config) {
@@ -266,6 +270,7 @@ class Daemon {
     DiagnosticItem item{"configuration"};
     item.logged = true;
     item.message = "as in " + config_->file;
+    if (!not_kept_.empty()) item.set(Health::warn, not_kept_);
     if (!trouble_.empty()) item.set(Health::error, trouble_ + "; the last good configuration is in force");
     item.add("File", config_->file);
     item.add("Reloads", reloads_);
@@ -301,6 +306,7 @@ class Daemon {
     leave_name_to_others();
     const std::vector<DiagnosticItem> items = ros_.diagnostics(now);
     if (++ticks_ % ticks_per_status == 0) service_.status(status(items));
+    if (!not_kept_.empty() && ticks_ % ticks_per_retry == 0) keep_config();
     const HostStamp host = clock_.step()->host(now);
     for (const std::string& error : journal_.update(items, host)) box_.incident(now, error);
     box_.poll(now, host, [this] { return events_json(journal_); });
@@ -342,6 +348,7 @@ class Daemon {
   std::shared_ptr<const Config> config_;
   const LastGood last_good_;
   std::string trouble_;  // why config_ is not the content of the file; empty: it is
+  std::string not_kept_;  // why config_ could not be stored; empty: it is
   std::uint64_t reloads_ = 0;
   std::thread reader_;  // joinable during a reload
   bool wants_reload_ = false;

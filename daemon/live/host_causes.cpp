@@ -60,6 +60,11 @@ double rate(std::uint64_t before, std::uint64_t now, double time_s) {
   return now > before && time_s > 0 ? static_cast<double>(now - before) / time_s : 0;
 }
 
+/// Time without steps, for Alternation.
+Stamp since_start(std::chrono::steady_clock::time_point at) {
+  return Stamp{std::chrono::nanoseconds(at.time_since_epoch()).count()};
+}
+
 }  // namespace
 
 std::string host_trouble(const SensorConfig& sensor, const HostNetwork& network, bool has_route) {
@@ -88,16 +93,17 @@ std::string path_filter_hint(const HostCounts& counts) {
 std::string host_hint(const SensorConfig& sensor, const HostCounts& counts) {
   if (!is_received(sensor) || sensor.model->transport != Transport::udp) return {};
   if (std::string dropped = path_filter_hint(counts); !dropped.empty()) return dropped;
-  const double expected = sensor.model->packets_per_s;
+  // Well below what a sensor sends in its slowest mode: a rate at a limit would change the sentence to and fro.
+  const double enough = std::max(2.0, 0.1 * sensor.model->packets_per_s);
   const std::string who = sensor.ip_address ? sensor.ip_address->to_string() : "the sensor";
   const double unheard = rate(counts.before.without_port, counts.now.without_port, counts.time_s);
-  if (unheard >= std::max(2.0, 0.2 * expected))
+  if (unheard >= enough)
     return fmt::format(
         "{:.0f} datagrams/s come to ports of this host where nobody listens; does the sensor send to another "
         "port than {}? `tcpdump -ni any udp and src host {}` shows it",
         unheard, sensor.ip_port, who);
   const double foreign = rate(counts.before.for_others, counts.now.for_others, counts.time_s);
-  if (foreign >= std::max(2.0, 0.2 * expected))
+  if (foreign >= enough)
     return fmt::format(
         "{:.0f} packets/s come in for an address that this host does not have; does the sensor send "
         "elsewhere? `tcpdump -ni any udp and src host {}` shows where to; set its destination to an address "
@@ -107,29 +113,19 @@ std::string host_hint(const SensorConfig& sensor, const HostCounts& counts) {
   const auto earlier = interfaces_of(sensor, counts.before);
   if (interfaces.size() != 1 || earlier.size() != 1 || interfaces[0]->loopback) return {};
   const HostInterface& in = *interfaces[0];
-  const double came = rate(0, in.packets - earlier[0]->packets, counts.time_s);
+  double came = rate(0, in.packets - earlier[0]->packets, counts.time_s);
   if (came < 2)
     return "next to nothing comes in at " + in.to_string() +
            "; check the sensor's power, cable and destination address";
-  if (came < 0.5 * expected || counts.others_talk) return {};
+  // Those of other sensors are delivered.
+  if (const double undelivered = rate(counts.before.undelivered, counts.now.undelivered, counts.time_s);
+      counts.others_talk || undelivered >= enough)
+    came = undelivered;
+  if (came < enough) return {};
   return fmt::format(
       "{:.0f} packets/s come in at {}, but none from {} to port {}; does it send elsewhere, or does a "
       "firewall drop them? Compare `tcpdump -ni {} src host {}` with `nft list ruleset`",
       came, in.to_string(), who, sensor.ip_port, in.name, who);
-}
-
-constexpr auto rivals_are_news = std::chrono::minutes(10);
-
-/// A spare that is exchanged for the first device after a longer time is no rival.
-void NeighbourWatch::observe(const std::string& hardware, Clock::time_point now) {
-  if (hardware == hardware_) return;
-  if (hardware == before_ && now - changed_ < rivals_are_news) returned_ = now;
-  changed_ = now;
-  before_ = std::exchange(hardware_, hardware);
-}
-
-std::string NeighbourWatch::rivals(Clock::time_point now) const {
-  return returned_ && now - *returned_ < rivals_are_news ? hardware_ + " and " + before_ : std::string();
 }
 
 HostCauses::HostCauses(const Config& config, const UdpPorts& ports, Worker worker)
@@ -139,6 +135,7 @@ HostCauses::HostCauses(const Config& config, const UdpPorts& ports, Worker worke
 
 void HostCauses::configure(const Config& config) {
   sensors_ = config.sensors;
+  hints_.clear();
   auto known = std::exchange(addresses_, {});
   for (const SensorConfig& each : sensors_) {
     if (each.worker == worker_ && is_received(each) && each.ip_address)
@@ -156,20 +153,17 @@ void HostCauses::watch_addresses() {
   const auto neighbours = read_neighbours();
   for (auto& [address, watch] : addresses_) {
     if (const auto found = neighbours.find(address); found != neighbours.end())
-      watch.observe(found->second, now);
+      watch.observe(found->second, since_start(now));
   }
 }
 
 void HostCauses::add_diagnostics(std::vector<DiagnosticItem>& items) const {
   for (const auto& [address, watch] : addresses_) {
-    const std::string rivals = watch.rivals(Clock::now());
+    const std::string rivals = watch.both(since_start(Clock::now()));
     if (rivals.empty()) continue;
     const std::string text = address.to_string();
     DiagnosticItem item{"address " + text, text};
-    item.set(Health::error,
-             fmt::format("two devices have the address {}, with the hardware addresses {}; give one of them "
-                         "another IP address",
-                         text, rivals));
+    item.set(Health::error, two_devices_text(text, "hardware addresses " + rivals));
     items.push_back(std::move(item));
   }
 }
@@ -209,10 +203,15 @@ std::string HostCauses::trouble(std::size_t sensor) {
   return dropped.empty() ? text : text + ". Besides, " + dropped;
 }
 
+/// A hint stays for some seconds without its cause: rates of a second vary.
 std::string HostCauses::hint(std::size_t sensor) {
   refresh();
+  constexpr auto lasts = std::chrono::seconds(5);
   const auto counted = counts();
-  return counted ? host_hint(sensors_.at(sensor), *counted) : std::string();
+  std::string now = counted ? host_hint(sensors_.at(sensor), *counted) : std::string();
+  auto& [text, at] = hints_[sensor];
+  if (!now.empty() || now_->at - at > lasts) text = std::move(now), at = now_->at;
+  return text;
 }
 
 }  // namespace lidard

@@ -10,6 +10,7 @@
 
 #include "daemon/config/config.h"
 #include "daemon/live/udp_ports.h"
+#include "daemon/pipeline/alternation.h"
 #include "drivers/net/host_network.h"
 
 namespace lidard {
@@ -27,20 +28,6 @@ struct HostCounts {
 std::string path_filter_hint(const HostCounts& counts);
 /// The likely reason why no datagram arrives from a sensor; empty: unknown.
 std::string host_hint(const SensorConfig& sensor, const HostCounts& counts);
-
-/// Follows the hardware address of a neighbour. Alternating addresses mean two devices with one IP address.
-class NeighbourWatch {
- public:
-  using Clock = std::chrono::steady_clock;
-  void observe(const std::string& hardware, Clock::time_point now);
-  /// Both hardware addresses; empty: only one was seen in the last ten minutes.
-  std::string rivals(Clock::time_point now) const;
-
- private:
-  std::string hardware_, before_;
-  Clock::time_point changed_{};
-  std::optional<Clock::time_point> returned_;
-};
 
 /// Reads the state of this host's network when a worker's sensor is silent: at most once per second, and
 /// again after interfaces have changed.
@@ -74,7 +61,8 @@ class HostCauses {
   const Worker worker_;
   bool others_may_talk_ = false;  // there are senders whose packets ports_ does not count
   std::optional<Snapshot> before_, now_;
-  std::map<IpAddress, NeighbourWatch> addresses_;  // of sensors
+  std::map<std::size_t, std::pair<std::string, Clock::time_point>> hints_;  // by sensor, and when
+  std::map<IpAddress, Alternation> addresses_;                              // of sensors
   Clock::time_point watched_{};
   bool stale_ = true;
 };

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/live/sensor_loop.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "daemon/pipeline/log.h"
@@ -11,6 +13,8 @@ namespace lidard {
 namespace {
 
 constexpr auto tick_period = std::chrono::milliseconds(100);
+/// A timer that fires later shows that this thread got no processor.
+constexpr double longest_usual_s = 0.5;
 
 void log_sensor(const SensorReport& sensor) {
   const Counters& c = sensor.counters;
@@ -55,6 +59,7 @@ SensorLoop::SensorLoop(const Config& config, DaemonClock& clock, BlackBox& box, 
   pipeline_.set_links(&connections_);
   pipeline_.add_diagnostics([this](std::vector<DiagnosticItem>& items) {
     add_items(items);
+    items.push_back(load_item());
     ports_.add_diagnostics(items);
     connections_.add_diagnostics(items);
     host_causes_.add_diagnostics(items);
@@ -136,9 +141,22 @@ void SensorLoop::schedule_tick() {
   timer_.async_wait([this](const boost::system::error_code& error) {
     if (error) return;
     report_round();
-    catch_up([this](Stamp now) { tick(now); });
+    const auto now = std::chrono::steady_clock::now();
+    const double late_s = std::chrono::duration<double>(now - next_tick_).count();
+    if (late_s > longest_usual_s) stalled_s_ = late_s, stalled_at_ = now;
+    catch_up([this](Stamp at) { tick(at); });
     schedule_tick();
   });
+}
+
+DiagnosticItem SensorLoop::load_item() const {
+  DiagnosticItem item{"computer"};
+  item.message = "reads what comes in time";
+  if (stalled_at_ && std::chrono::steady_clock::now() - *stalled_at_ < std::chrono::seconds(10))
+    item.set(Health::warn, fmt::format("this computer is too busy: {:.1f} s passed before what came was read, "
+                                       "so outputs were late; see `top`",
+                                       stalled_s_));
+  return item;
 }
 
 /// Sets the timer to the pipeline's next event.

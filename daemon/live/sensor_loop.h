@@ -62,6 +62,7 @@ class SensorLoop {
   void schedule_tick();
   void arm();
   void tick(Stamp now);
+  DiagnosticItem load_item() const;
 
   boost::asio::io_context io_{1};
   DaemonClock& clock_;
@@ -77,6 +78,8 @@ class SensorLoop {
   std::optional<Stamp> next_event_;                     // expiry of event_timer_
   std::chrono::steady_clock::time_point next_tick_, next_round_;
   std::atomic<std::uint64_t> rounds_{0};
+  double stalled_s_ = 0;  // how long this thread waited for a processor when it did last
+  std::optional<std::chrono::steady_clock::time_point> stalled_at_;
 };
 
 }  // namespace lidard

@@ -191,13 +191,21 @@ class MergedOutput final : public Output {
     for (const MountDifference& pair : mount_check_.pairs()) {
       const std::string& first = config_.laserscan_topics[pair.first];
       const std::string& second = config_.laserscan_topics[pair.second];
+      const bool is_first = wrong == pair.first;
+      if (pair.is_astray && item.health == Health::ok)
+        item.set(Health::warn,
+                 fmt::format("{} sees nothing of what {} sees where their fields of view overlap; check the pose "
+                             "of {} (since {:%H:%M:%S} UTC; `lidard calibrate -c FILE CAPTURE` of the parked "
+                             "vehicle finds it)",
+                             is_first ? first : second, is_first ? second : first,
+                             wrong ? (is_first ? first : second) : "both",
+                             fmt::gmtime(pair.astray_since->ns / 1'000'000'000)));
       if (pair.surfaces == 0) continue;
       item.add(fmt::format("Mount check {}/{}", first, second),
                fmt::format("{} surfaces; mount of {}: {}; +- {:.1f} mm, {:.3f} deg", pair.surfaces, second,
                            correction_of(pair, 1), 1000 * pair.sigma.head<2>().maxCoeff(),
                            deg_per_rad * pair.sigma[2]));
       if (!pair.is_wrong || item.health != Health::ok) continue;
-      const bool is_first = wrong == pair.first;
       item.set(Health::warn,
                fmt::format(
                    "{} and {} do not agree on where surfaces are; correct {} {} by {} (since {:%H:%M:%S} "

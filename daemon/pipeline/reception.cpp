@@ -66,7 +66,7 @@ Health level(double value, double warn, double error) {
 
 constexpr const char* check_network = "check the cable, the switch and the load of this computer";
 constexpr const char* check_path = "look for a proxy, a mirror port or a loop between sensor and computer";
-constexpr const char* check_sensor = "check the sensor's state and settings";
+constexpr const char* check_sensor = "check the sensor's state and settings, and the load of this computer";
 constexpr const char* check_model = "is it the configured model, and the only one that sends here?";
 constexpr const char* check_window = "is its window covered? An empty field looks the same";
 
@@ -169,7 +169,7 @@ void ReceptionWatch::scan(const PlanarScan& scan) {
     total_.blind += blind ? 1U : 0U;
     total_.returns += status == BeamStatus::hit && !near ? 1U : 0U;
   }
-  learn(scan.stamp);
+  learn(scan.stamp, static_cast<double>(scan.scan_time));
 }
 
 void ReceptionWatch::cloud(const Cloud& cloud) {
@@ -187,13 +187,15 @@ void ReceptionWatch::cloud(const Cloud& cloud) {
   total_.beams += cloud.columns.size() * cloud.rings;
   total_.returns += size - blind;
   total_.blind += blind;
-  learn(cloud.stamp);
+  learn(cloud.stamp, seconds(cloud.end - cloud.stamp));
 }
 
-void ReceptionWatch::learn(Stamp stamp) {
+/// No frame follows the one before faster than it is measured: stamps of scans that a busy computer reads in
+/// bursts may lie together.
+void ReceptionWatch::learn(Stamp stamp, double lasts_s) {
   distances_[distance_count_++ % distances] = seconds(stamp - last_stamp_);
   last_stamp_ = stamp;
-  const double learned = median_distance();
+  const double learned = std::max(median_distance(), 0.98 * lasts_s);
   // Stamps of frames that arrive in a burst are not usable.
   period_s_ = learned < fastest * promised_s_ ? 0 : std::min(learned, slowest * promised_s_);
 }

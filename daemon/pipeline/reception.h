@@ -100,7 +100,7 @@ class ReceptionWatch {
  private:
   static constexpr std::size_t marks = 11;  // a window of 10 s
   static constexpr std::size_t distances = 8;
-  void learn(Stamp stamp);
+  void learn(Stamp stamp, double lasts_s);
   double median_distance() const;
   void add_time(double passed_s, bool packets_came, std::uint64_t frames);
   void mark();

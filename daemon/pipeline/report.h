@@ -35,6 +35,7 @@ struct SensorReport {
   std::string link_trouble;   ///< while silent: a fault of its connection or this host's network; empty: none
   std::string link_hint;      ///< while silent: a possible cause there
   std::string other_model;    ///< the model of packets of another model; empty: unknown
+  std::string two_devices;    ///< a sentence on two devices with its address; empty: there is one
   std::string clock_trouble;  ///< stamps of its topic are another clock's; empty: they are not
   std::uint64_t stamps_replaced = 0;  ///< of its topic
   bool starting = false;              ///< the first second after the start: silence is no fault yet

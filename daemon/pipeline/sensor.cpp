@@ -74,7 +74,10 @@ void Sensor::receive(const Packet& packet, Stamp received) {
   }
   const Verdict verdict = driver_->receive(packet, *this);
   if (raw_.is_full()) publish_raw();
-  if (verdict.reject != Reject::none && datagram) other_model_.refused(packet, verdict.reject);
+  if (verdict.reject != Reject::none && datagram)
+    other_model_.refused(packet, verdict.reject);
+  else if (verdict.has_data)
+    other_model_.accepted();
   if (packet.transport == config_.model->transport) {
     if (verdict.has_data) {
       data_sender_ = packet.from.address;
@@ -257,6 +260,7 @@ void Sensor::clock_jumped(Stamp now) {
 void Sensor::tick(Stamp by_arrivals) {
   if (driver_ == nullptr) return;
   driver_->tick(by_arrivals, *this);
+  serials_.observe(driver_->info().serial, by_arrivals);
   apply_connection_request();
 }
 
@@ -304,9 +308,22 @@ SensorReport Sensor::report() const {
   report.other_model = other_model_.sentence();
   report.clock_trouble = topic_clock_.trouble(where_from(config_), true);
   report.stamps_replaced = topic_clock_.replaced();
+  report.two_devices = two_devices();
   report.recent = watch_.recent();
   report.whole = watch_.whole();
   return report;
+}
+
+/// A sentence on two devices with the sensor's address; empty: there is one.
+std::string Sensor::two_devices() const {
+  if (driver_ == nullptr) return {};
+  std::string who = driver_->info().two_devices;
+  if (const std::string both = serials_.both(context_.now); who.empty() && !both.empty())
+    who = "serial numbers " + both;
+  if (const std::string other = other_model_.beside(); who.empty() && !other.empty())
+    who = std::string(config_.model->product) + " and " + other;
+  const std::string address = config_.ip_address.value_or(data_sender_).to_string();
+  return who.empty() ? who : two_devices_text(address, who);
 }
 
 std::optional<DiagnosticItem> Sensor::settings(Stamp now) const {

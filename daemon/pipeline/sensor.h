@@ -14,6 +14,7 @@
 #include "core/base/bytes.h"
 #include "core/frames/frame_filter.h"
 #include "daemon/config/config.h"
+#include "daemon/pipeline/alternation.h"
 #include "daemon/pipeline/cloud_placer.h"
 #include "daemon/pipeline/other_model.h"
 #include "daemon/pipeline/output.h"
@@ -133,6 +134,7 @@ class Sensor final : public DriverOutput {
   Span correction_of(Stamp stamp, Span lasts, Stamp received);
   /// Records the arrival of data.
   void notice_data(Stamp received);
+  std::string two_devices() const;
   /// Stores the geometry; logs a changed number of beams.
   void notice_shape(const PlanarScan& scan);
   /// Makes a scan without beams one that observed nothing.
@@ -182,6 +184,7 @@ class Sensor final : public DriverOutput {
   TopicClock topic_clock_;   // of messages
   ReceptionWatch watch_;
   OtherModel other_model_;
+  Alternation serials_;
   PlanarScan shape_;                                                 // geometry of the last scan with beams
   Stamp shape_noted_{std::numeric_limits<std::int64_t>::min() / 2};  // when a change of it was logged
 };

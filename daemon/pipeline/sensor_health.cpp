@@ -85,6 +85,8 @@ void judge_data(const SensorConfig& config, const SensorReport& report, Diagnost
       report.info.has_fault ? Health::error : Health::warn;  // what the device's warnings mean
   if (std::string rivals = rivals_text(report.recent, config.ip_port); !rivals.empty()) {
     item.set(Health::error, std::move(rivals));
+  } else if (!report.two_devices.empty()) {
+    item.set(Health::error, report.two_devices);
   } else if (!report.other_model.empty() && is_all_refused(report.recent.counters)) {
     item.set(Health::error, report.other_model);
   } else if (c.packets > 0 && c.rejected_total() == c.packets) {
@@ -207,7 +209,7 @@ void UnknownSenders::note(const Packet& packet) {
       return a.second.last < b.second.last;
     }));
   Sender& sender = senders_[flow];
-  ++sender.packets;
+  sender.packets += packet.stands_for;
   sender.last = packet.arrival;
 }
 

@@ -3,13 +3,16 @@
 #include "drivers/net/host_network.h"
 
 #include <arpa/inet.h>
+#include <glob.h>
 #include <ifaddrs.h>
 #include <linux/if_link.h>
 #include <net/if.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 
+#include <algorithm>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <map>
 #include <sstream>
@@ -33,18 +36,27 @@ IpAddress address_in(const sockaddr* from) {
   return address;
 }
 
-/// A counter of /proc/net/netstat or snmp, which have a line of names before every line of numbers.
-std::uint64_t counter(const char* file, const std::string& table, const std::string& name) {
+/// Reads the counters of /proc/net/netstat or snmp, which have a line of names before every line of numbers:
+/// "Udp:NoPorts".
+void read_counters(const char* file, std::map<std::string, std::uint64_t>& counters) {
   std::ifstream in(file);
-  std::string line, numbers;
-  while (std::getline(in, line) && std::getline(in, numbers)) {
-    if (line.compare(0, table.size(), table) != 0) continue;
+  for (std::string line, numbers; std::getline(in, line) && std::getline(in, numbers);) {
     std::istringstream names(line), values(numbers);
-    for (std::string word, value; names >> word && values >> value;) {
-      if (word == name) return std::strtoull(value.c_str(), nullptr, 10);
-    }
+    std::string table, name, value;
+    names >> table, values >> value;
+    while (names >> name && values >> value)
+      counters[table + name] = std::strtoull(value.c_str(), nullptr, 10);
   }
-  return 0;
+}
+
+/// What was received and not delivered to a protocol of this host, less what the kernel counts as dropped for
+/// another reason (RFC 4293, ipSystemStatsTable; a firewall's drop has no counter of its own).
+std::uint64_t undelivered(std::map<std::string, std::uint64_t>& counters) {
+  std::uint64_t known = counters["Ip:InDelivers"] + counters["Ip:ReasmReqds"] - counters["Ip:ReasmOKs"];
+  for (const char* reason : {"Ip:InHdrErrors", "Ip:InAddrErrors", "Ip:ForwDatagrams", "Ip:InUnknownProtos",
+                             "Ip:InDiscards", "IpExt:InNoRoutes", "TcpExt:IPReversePathFilter"})
+    known += counters[reason];
+  return counters["Ip:InReceives"] - std::min(known, counters["Ip:InReceives"]);
 }
 
 }  // namespace
@@ -96,9 +108,13 @@ HostNetwork read_network() {
   }
   freeifaddrs(list);
   for (HostInterface& each : network.interfaces) each.packets = packets[each.name];
-  network.dropped_by_path = counter("/proc/self/net/netstat", "TcpExt:", "IPReversePathFilter");
-  network.without_port = counter("/proc/self/net/snmp", "Udp:", "NoPorts");
-  network.for_others = counter("/proc/self/net/snmp", "Ip:", "InAddrErrors");
+  std::map<std::string, std::uint64_t> counters;
+  read_counters("/proc/self/net/netstat", counters);
+  read_counters("/proc/self/net/snmp", counters);
+  network.dropped_by_path = counters["TcpExt:IPReversePathFilter"];
+  network.without_port = counters["Udp:NoPorts"];
+  network.for_others = counters["Ip:InAddrErrors"];
+  network.undelivered = undelivered(counters);
   return network;
 }
 
@@ -125,6 +141,33 @@ bool has_route_to(const IpAddress& address) {
   to.sin_port = htons(9);  // connect(2) of a datagram socket sends nothing
   std::memcpy(&to.sin_addr, address.bytes.data(), sizeof to.sin_addr);
   return connect(fd.get(), reinterpret_cast<const sockaddr*>(&to), sizeof to) == 0;
+}
+
+std::string holder_of_udp_port(std::uint16_t port) {
+  std::ifstream in("/proc/self/net/udp");  // proc(5)
+  std::string line, user, inode;
+  while (inode.empty() && std::getline(in, line)) {
+    std::istringstream fields(line);
+    std::string skipped, local;
+    fields >> skipped >> local >> skipped >> skipped >> skipped >> skipped >> skipped >> user >> skipped;
+    const std::size_t colon = local.find(':');
+    if (colon != std::string::npos && std::strtoul(local.c_str() + colon + 1, nullptr, 16) == port)
+      fields >> inode;
+  }
+  if (inode.empty()) return {};
+  std::string holder = "a program of user " + user;
+  glob_t files{};
+  glob("/proc/[0-9]*/fd/*", GLOB_NOSORT, nullptr, &files);
+  for (std::size_t i = 0; i < files.gl_pathc; ++i) {
+    const std::filesystem::path file = files.gl_pathv[i], process = file.parent_path().parent_path();
+    std::error_code gone;
+    if (std::filesystem::read_symlink(file, gone) != "socket:[" + inode + "]") continue;
+    std::getline(std::ifstream(process / "comm"), holder);
+    holder += ", process " + process.filename().string();
+    break;
+  }
+  globfree(&files);
+  return " (it is " + holder + ")";
 }
 
 }  // namespace lidard

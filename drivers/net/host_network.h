@@ -34,6 +34,9 @@ struct HostNetwork {
   std::uint64_t dropped_by_path = 0;  ///< packets that the reverse path filter (rp_filter) dropped
   std::uint64_t without_port = 0;     ///< datagrams to a port without a listener
   std::uint64_t for_others = 0;       ///< received packets for an address that this host does not have
+  /// Received packets that reached no program and are counted nowhere: those that a firewall drops, and those
+  /// of multicast groups that nobody joined.
+  std::uint64_t undelivered = 0;
 };
 HostNetwork read_network();
 
@@ -42,5 +45,9 @@ std::map<IpAddress, std::string> read_neighbours();
 
 /// True if the kernel has a route to the address, direct or through a gateway.
 bool has_route_to(const IpAddress& address);
+
+/// The program that has bound a UDP port of this host: " (it is velodyne_node, process 4711)", or " (it is a
+/// program of user 1000)" if its process is not accessible; empty: not known. The call needs milliseconds.
+std::string holder_of_udp_port(std::uint16_t port);
 
 }  // namespace lidard

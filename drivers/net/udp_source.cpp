@@ -10,6 +10,7 @@
 #include <chrono>
 #include <cstring>
 
+#include "drivers/net/host_network.h"
 #include "drivers/net/udp_socket.h"
 #include "drivers/net/wall_clock.h"
 
@@ -88,7 +89,10 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
  private:
   void open() {
     auto opened = open_udp_socket(options_);
-    if (!opened) return fail(opened.reason());
+    // Not at each attempt: the search reads files of every process.
+    if (!opened && attempts_++ % 16 == 0) holder_ = holder_of_udp_port(options_.port);
+    if (!opened) return fail(opened.reason() + holder_);
+    attempts_ = 0;
     UdpSocket& socket = opened.value();
     socket_ = std::move(socket.fd);
     port_ = socket.port;
@@ -211,7 +215,7 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
       ++stats_.truncated;
       return;
     }
-    if (is_unknown(datagram.from.address)) ++stats_.unknown_sampled;
+    const bool unknown = is_unknown(datagram.from.address);
     ++stats_.datagrams;
     stats_.bytes += datagram.payload.size();
     Packet& packet = packets_.emplace_back();
@@ -219,6 +223,9 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
     packet.received = datagram.kernel_stamp ? *datagram.kernel_stamp : wall_clock();
     packet.from = datagram.from;
     packet.to = {datagram.to, port_};
+    if (!unknown) return;
+    ++stats_.unknown_sampled;
+    packet.stands_for += stats_.unknown_filtered - std::exchange(attributed_, stats_.unknown_filtered);
   }
 
   /// The kernel counts filtered datagrams and losses of a full buffer in one number and reports it with the
@@ -254,11 +261,14 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
   std::string warning_;
   std::uint16_t port_ = 0;
   std::chrono::milliseconds retry_ = first_retry;
+  unsigned attempts_ = 0;  // to open the port, in vain
+  std::string holder_;     // who has it
   // Identifies the socket, so that queued handlers of a closed socket return.
   std::uint64_t generation_ = 0;
   bool filtered_ = false;
   std::optional<HostStamp> filling_seen_;
   std::uint32_t drops_ = 0;
+  std::uint64_t attributed_ = 0;  // of stats_.unknown_filtered, to the packet of an unknown sender after them
   bool busy_ = false;  // read by busy_timer_ instead of the reactor
   std::chrono::steady_clock::time_point rate_begin_;
   std::uint64_t rate_datagrams_ = 0;  // at rate_begin_

@@ -13,6 +13,7 @@
 #include "drivers/velodyne/packet_order.h"
 #include "drivers/velodyne/telemetry.h"
 #include "drivers/velodyne/timing.h"
+#include "drivers/velodyne/two_devices.h"
 #include "drivers/velodyne/web/web_dialogue.h"
 #include "drivers/velodyne/web/web_status.h"
 
@@ -70,6 +71,10 @@ class VelodyneDriver final : public DriverBase {
     if (!row_.has_stamp()) arrival_stamps_.stamp(packet.arrival, incoming_.azimuths, incoming_.bytes.data());
     const std::uint8_t product = incoming_.view().product();
     const bool may_be_old = row_.without_factory_bytes != nullptr && !is_product(product);
+    // An HDL-64E, which has no such byte, may have no stamps or two packets of one stamp.
+    if (row_.names_product())
+      two_devices_.add(incoming_, row_.packet_period(row_.timings.front(), incoming_.layout->echoes));
+    info_.two_devices = two_devices_.found(packet.arrival) ? "clocks or azimuths of two lidars" : "";
     incoming_.other_product = row_.names_product() && !row_.has_product(product) && !may_be_old;
     return {true, order_.add(incoming_, [&](const OrderedPacket& p, Span time) { accept(p, time, out); })};
   }
@@ -281,6 +286,7 @@ class VelodyneDriver final : public DriverBase {
 
   const ModelRow& row_;
   PacketOrder order_;
+  TwoDevices two_devices_;
   ArrivalStamps arrival_stamps_;
   TimingChooser timing_;
   CloudBuilder frames_;

@@ -7,10 +7,13 @@ import collections
 # The figure of silence is that of the promise; /diagnostics come at once when a level changes, status and events ten times a second.
 Fault = collections.namedtuple("Fault", "key what item level text seconds")
 CABLE = [
-    Fault("taken", "another program has the port", "port 2413", "ERROR", "port 2413 is in use by another program", 2),
+    Fault("taken", "another program has the port", "port 2413", "ERROR", "port 2413 is in use by another program; find it with `ss -lunp 'sport = :2413'` (it is ", 2),
     Fault("absent", "nothing was ever received", "sensor absent", "ERROR", "nothing received from 192.168.1.40 to port 2414", 3),
     Fault("other", "another model sends", "sensor other", "ERROR", "this is a VLP-32C, not a VLP-16; set model: velodyne_vlp32c", 3),
     Fault("shared", "two lidars send into one entry", "sensor shared", "ERROR", "192.168.1.206 and 192.168.1.207 both send to port 2410", 4),
+    Fault("twins", "two lidars have one address", "sensor twins", "ERROR", "two devices have the address 192.168.1.210 (clocks or azimuths of two lidars)", 3),
+    Fault("unlike", "two lidars of different models have one address", "sensor unlike", "ERROR",
+          "two devices have the address 192.168.1.211 (VLP-16 and VLP-32C); give one of them another IP address", 3),
     Fault("misnamed", "the packets come from another address", "sensor misnamed", "ERROR",
           "but there are packets from 192.168.1.208 -> port 2411", 3),
     Fault("dirty", "a scanner's window is dirty", "sensor dirty", "WARN", "the scanner's window is dirty; clean it", 3),
@@ -37,6 +40,9 @@ MIDDLEWARE = [
     Fault("unusable", "messages of a source are unusable", "bad input", "WARN", "unusable messages", 3),
     Fault("no_pose", "no pose for a merged scan", "merged astray", "ERROR", "publish it on tf or configure the pose", 3),
     Fault("mount", "a mount is wrong", "merged bent", "WARN", "do not agree on where surfaces are; correct a mount", 15),
+    Fault("far_mount", "a mount is wrong by 8 degrees", "merged far_off", "WARN", "do not agree on where surfaces are; correct a mount", 15),
+    Fault("astray", "a mount is wrong by a quarter of a turn", "merged astray_mount", "WARN", "of what left sees where their fields of view overlap; check the pose", 15),
+    Fault("full_disk", "the state cannot be written at the start", "configuration", "WARN", "the configuration cannot be kept for a start with a wrong file", 3),
     Fault("no_cloud", "no cloud for a virtual scan", "virtual levels", "ERROR", "no output for more than 3 s", 4),
     Fault("no_source", "a source of a merged scan is gone", "merged around", "ERROR", "publishing without ", 2),
     Fault("slow", "a subscriber stands still", "topic full/points", "WARN", "a subscriber of full/points is too slow and loses messages", 20),
@@ -55,7 +61,7 @@ MAY_BE_SECOND = ("lossier", "no_pose", "cut")
 NOT_TESTED = {
     "a receive buffer that is too small": "root's sockets get what they ask for",
     "a device whose settings differ or whose password is wrong": "test_velodyne_control.py, test/drivers/sick/cola read the log",
-    "a firewall that drops": "no rules can be set here; test_network_silence.py shows the sentence for packets that are for nobody",
+    "a firewall that drops": "test_network_silence.py, where nft is installed",
     "a thread that stands still": "test_watchdog.py",
     "no calibration file at the start": "exit status 78, no daemon that could be asked: test_reload.py",
 }

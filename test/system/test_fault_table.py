@@ -128,7 +128,8 @@ class Lidars(threading.Thread):
         self.network, self.packets, self.strange, self.streams, self.ended = network, packets, strange, {}, threading.Event()
 
     def add(self, address, port, to=HOST, change=lambda payload, number: payload, strange=False):
-        self.streams[address] = [self.network.lidar(address), (to, port), change, self.strange if strange else self.packets]
+        key = address if address not in self.streams else address + " again"
+        self.streams[key] = [self.network.lidar(address, 2368 if key == address else 2369), (to, port), change, self.strange if strange else self.packets]
 
     def run(self):
         begin, place = time.monotonic(), 0
@@ -159,6 +160,8 @@ sensors:
   broken: {model: velodyne_vlp16, ip_address: 192.168.1.204}
   other: {model: velodyne_vlp16, ip_address: 192.168.1.205}
   shared: {model: velodyne_vlp16, ip_port: 2410}
+  twins: {model: velodyne_vlp16, ip_address: 192.168.1.210}
+  unlike: {model: velodyne_vlp16, ip_address: 192.168.1.211}
   misnamed: {model: velodyne_vlp16, ip_address: 192.168.1.30, ip_port: 2411}
   elsewhere: {model: velodyne_vlp16, ip_address: 192.168.1.209, ip_port: 2412}
   taken: {model: velodyne_vlp16, ip_address: 192.168.1.41, ip_port: 2413}
@@ -186,9 +189,14 @@ def tested(config, **options):
 
 def plug_cables(network):
     network.plug(host=HOST + "/24", lidars=["192.168.1.21/24", "192.168.1.11/24", "192.168.1.12/24", "192.168.1.10/24"]
-                 + [f"192.168.1.{n}/24" for n in (66, 202, 203, 204, 205, 206, 207, 208, 209)])
+                 + [f"192.168.1.{n}/24" for n in (66, 202, 203, 204, 205, 206, 207, 208, 209, 210, 211)])
     for n in (1, 2, 3):
         network.plug(host=f"192.168.{n + 1}.100/24", lidars=[f"192.168.{n + 1}.201/24"], name=f"lidar{n}")
+
+
+def half_a_minute_later(payload, number):
+    """The packet as of a lidar with another clock, at the same angle."""
+    return payload[:1200] + ((int.from_bytes(payload[1200:1204], "little") + 30_000_000) % 3_600_000_000).to_bytes(4, "little") + payload[1204:]
 
 
 def corrupt(payload, number):
@@ -204,6 +212,10 @@ def faults_of_cables(network, tmp, watch, table):
                               ("192.168.1.204", 2368, HOST), ("192.168.1.206", 2410, HOST), ("192.168.1.207", 2410, HOST), ("192.168.1.208", 2411, HOST)):
         lidars.add(address, port, to)
     lidars.add("192.168.1.205", 2368, strange=True)
+    for address in ("192.168.1.210", "192.168.1.211"):
+        lidars.add(address, 2368)
+    lidars.add("192.168.1.210", 2368, change=half_a_minute_later)
+    lidars.add("192.168.1.211", 2368, strange=True)
     devices = {name: network.start_sim(tmp, name, keys) for name, keys in DEVICES.items()}
     wait_for(lambda: all(network.lidar_talks(child) for child in devices.values()), 10, "the devices talk")
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other_program:
@@ -211,7 +223,7 @@ def faults_of_cables(network, tmp, watch, table):
         lidars.start()
         start = began()
         with tested(config) as child:
-            present = [f for f in CABLE if f.key in ("taken", "absent", "other", "shared", "misnamed", "dirty", "group", "no_odometry")]
+            present = [f for f in CABLE if f.key in ("taken", "absent", "twins", "unlike", "other", "shared", "misnamed", "dirty", "group", "no_odometry")]
             table.check(present, {f.key: start for f in present})
             check_commands(watch, "sensor other")
             well(*(f"sensor {name}" for name in ("front", "left", "right", "cut", "off", "bare", "lossy", "lossier", "broken")))
@@ -259,6 +271,8 @@ sensors:
   left: {{model: sick_microscan3, ip_address: 127.168.0.21, ip_port: {ms3}, listen_only: true, pose: {{xyz: [0, 1, 0.3]}}}}
   right: {{model: sick_microscan3, ip_address: 127.168.0.22, ip_port: {ms3}, listen_only: true, pose: {{xyz: [0, -1, 0.3]}}}}
   crooked: {{model: sick_microscan3, ip_address: 127.168.0.23, ip_port: {ms3}, listen_only: true, pose: {{xyz: [0, 0, 0.3], rpy_deg: [0, 0, 1]}}}}
+  far: {{model: sick_microscan3, ip_address: 127.168.0.24, ip_port: {ms3}, listen_only: true, pose: {{xyz: [0, 0, 0.3], rpy_deg: [0, 0, 8]}}}}
+  reversed: {{model: sick_microscan3, ip_address: 127.168.0.25, ip_port: {ms3}, listen_only: true, pose: {{xyz: [0, 0, 0.3], rpy_deg: [0, 0, 90]}}}}
   roof: {{model: velodyne_vlp16, ip_address: 127.168.1.201, ip_port: {roof}, pose: {{xyz: [0, 0, 2]}}}}
   full: {{model: velodyne_vlp16, ip_address: 127.168.1.202, ip_port: {roof}, pose: {{xyz: [0, 0, 2]}}}}
   odd: {{topic: /odd, pose: {{xyz: [0, 0, 0.3]}}}}
@@ -267,6 +281,8 @@ sensors:
 merged_scans:
   around: {{laserscan_topics: [left, right]}}
   bent: {{laserscan_topics: [left, crooked], profile: strict, range_max: 24}}
+  far_off: {{laserscan_topics: [left, far], profile: strict, range_max: 24}}
+  astray_mount: {{laserscan_topics: [left, reversed], profile: strict, range_max: 24}}
   astray: {{laserscan_topics: [left, odd, bad, lone], destination_frame: nowhere}}
 virtual_scans:
   levels: {{cloud_topic: roof, virtual_laser_scan: [low], poses: {{low: {{xyz: [0, 0, 0.4]}}}}, beams: 720}}
@@ -276,6 +292,8 @@ ROOM = ("wall: {from: [6, -7], to: [6, 8], z: [-1, 4]}", "wall: {from: [-6, 7], 
 # Sensors that send always, and those that end.
 ALWAYS = {"left": "model: sick_microscan3, from: '192.168.0.21:6060', to: '127.0.0.1:{ms3}', pose: {{xyz: [0, 1, 0.3]}}",
           "crooked": "model: sick_microscan3, from: '192.168.0.23:6060', to: '127.0.0.1:{ms3}', pose: {{xyz: [0, 0, 0.3]}}",
+          "far": "model: sick_microscan3, from: '192.168.0.24:6060', to: '127.0.0.1:{ms3}', pose: {{xyz: [0, 0, 0.3]}}",
+          "reversed": "model: sick_microscan3, from: '192.168.0.25:6060', to: '127.0.0.1:{ms3}', pose: {{xyz: [0, 0, 0.3]}}",
           "full": "model: velodyne_vlp16, from: '192.168.1.202:2368', to: '127.0.0.1:{roof}', pose: {{xyz: [0, 0, 2]}}"}
 MORTAL = {"right": "model: sick_microscan3, from: '192.168.0.22:6060', to: '127.0.0.1:{ms3}', pose: {{xyz: [0, -1, 0.3]}}",
           "roof": "model: velodyne_vlp16, from: '192.168.1.201:2368', to: '127.0.0.1:{roof}', pose: {{xyz: [0, 0, 2]}}"}
@@ -326,10 +344,13 @@ def faults_of_middleware(tmp, watch, table, master):
         stack.callback(stop_it.set)
         slow = stack.enter_context(process(["/usr/bin/python3", "-c", SLOW_SUBSCRIBER]))
         start = began()
-        child = stack.enter_context(tested(config, env=clock.environment()))
-        present = [f for f in MIDDLEWARE if f.key in ("wrong_type", "nobody", "unusable", "no_pose", "mount")]
+        (tmp / "state").write_text("no folder")  # nothing can be written there, as on a full disk
+        child = stack.enter_context(tested(config, env=dict(clock.environment(), STATE_DIRECTORY=str(tmp / "state"))))
+        present = [f for f in MIDDLEWARE if f.key in ("wrong_type", "nobody", "unusable", "no_pose", "mount", "far_mount", "astray", "full_disk")]
         table.check(present, {f.key: start for f in present})
         check_commands(watch, "odd input")
+        (tmp / "state").unlink()
+        wait_for(lambda: level("configuration") == "OK", 15, "the configuration is kept once there is room")
         well("sensor left", "sensor right", "sensor roof", "sensor full")
         wait_for(lambda: int(figure("ROS", "Subscribers")) > 0, 10, "a subscriber")
         slow.send_signal(signal.SIGSTOP)

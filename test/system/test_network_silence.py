@@ -7,6 +7,7 @@ this host's network is named with the remedy: link, address, reverse path filter
 import contextlib
 import json
 import re
+import shutil
 import socket
 import struct
 import subprocess
@@ -185,7 +186,21 @@ def flood(network, address, to):
     return lambda: (stop.set(), thread.join(), sender.close())
 
 
+def firewall(network):
+    """A rule that drops the lidar's packets. There are scanners over TCP in the configuration."""
+    if not shutil.which("nft"):
+        print("    no nft here: a firewall is not tried")
+        return
+    for command in ("add table ip test", "add chain ip test in { type filter hook input priority 0 ; }", "add rule ip test in udp dport 2368 drop"):
+        subprocess.run(["nft", command], check=True)
+    end = flood(network, "192.168.1.201", ("192.168.1.100", 2368))
+    says("roof", "but none from 192.168.1.201 to port 2368; does it send elsewhere, or does a firewall drop them?", "a firewall", 12)
+    end()
+    subprocess.run(["nft", "delete table ip test"], check=True)
+
+
 def say_what_comes_instead(network):
+    firewall(network)
     says("roof", "next to nothing comes in at lidar0", "that nothing comes in", 12)
     end = flood(network, "192.168.1.201", ("192.168.1.100", 2400))
     says("roof", "come to ports of this host where nobody listens; does the sensor send to another port than 2368?", "another port", 12)

@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t header_size = 76;
 constexpr std::uint8_t version_major = 2;
 /// Offset and size of each block, 16 bit each, from here on (p. 20).
-constexpr std::size_t at_state = 32, at_derived = 36, at_measurement = 40, at_intrusion = 44,
+constexpr std::size_t at_serial = 4, at_state = 32, at_derived = 36, at_measurement = 40, at_intrusion = 44,
                       at_application = 48, at_local_io = 52;
 constexpr std::size_t state_size = 16, derived_size = 20, application_size = 260;
 
@@ -112,7 +112,7 @@ Ms3Application read_application(ByteView b) {
 void read_header(ByteView b, Ms3Telegram& t) {
   t.version_minor = b.u8(2);
   t.version_release = b.u8(3);
-  t.serial = b.le32(4);
+  t.serial = b.le32(at_serial);
   t.plug_serial = b.le32(8);
   t.channel = b.u8(12);
   t.sequence = b.le32(16);
@@ -196,6 +196,13 @@ Reject read_ms3_datagram(ByteView payload, Ms3Datagram& datagram) {
   if (datagram.offset >= datagram.total) return Reject::field;
   if (datagram.data.size() > datagram.total - datagram.offset) return Reject::field;
   return Reject::none;
+}
+
+std::uint32_t serial_in(ByteView payload) {
+  Ms3Datagram first;
+  const bool has = read_ms3_datagram(payload, first) == Reject::none && first.offset == 0 &&
+                   first.data.has(at_serial, 4);
+  return has ? first.data.le32(at_serial) : 0;
 }
 
 bool Ms3Reassembler::Slot::channel_known() const {

@@ -149,6 +149,9 @@ struct Ms3Datagram {
 /// Reads and checks a datagram's header; `datagram` is valid if the answer is Reject::none.
 Reject read_ms3_datagram(ByteView payload, Ms3Datagram& datagram);
 
+/// The serial number of the scanner, in the first datagram of an instance; 0: not in this one.
+std::uint32_t serial_in(ByteView payload);
+
 /// Puts the instances of the data output together from datagrams that may come in any order, twice or not at
 /// all. Memory is bounded: four unfinished instances of at most 64 KiB.
 class Ms3Reassembler {

@@ -62,6 +62,11 @@ class SafetyDriver final : public DriverBase {
     Ms3Reassembler::Instance instance;
     Reject reason = reassembler_.add(packet, instance);
     if (reason == Reject::none && !instance.bytes.empty()) reason = handle(instance, out);
+    // Two scanners that were switched on together count alike: datagrams of the one look like copies.
+    if (reason == Reject::duplicate && stream_known_) {
+      const std::uint32_t serial = serial_in(packet.payload);
+      if (serial != 0 && serial != serial_) note_rival(serial, packet.arrival);
+    }
     if (reason != Reject::none) counters_.reject(reason);
     return {true, reason};
   }
@@ -124,18 +129,22 @@ class SafetyDriver final : public DriverBase {
   /// False for the data of another device or another channel.
   bool is_ours(Stamp arrival) {
     if (stream_known_ && telegram_.serial == serial_ && telegram_.channel == channel_) {
-      if (std::chrono::abs(arrival - rival_at_) > rival_memory) board_.clear(Warning::other_stream);
+      if (std::chrono::abs(arrival - rival_at_) > rival_memory) {
+        board_.clear(Warning::other_stream);
+        info_.two_devices.clear();
+      } else if (rival_serial_ != serial_) {  // it was not exchanged: both send
+        info_.two_devices = "scanner " + std::to_string(serial_) + " and scanner " + std::to_string(rival_serial_);
+      }
       last_arrival_ = arrival;
       our_sender_ = sender_;
       return true;
     }
     if (stream_known_ && std::chrono::abs(arrival - last_arrival_) <= silence) {
-      rival_at_ = arrival;
-      board_.update(Warning::other_stream, true, [&] {
-        const std::string remedy = telegram_.serial == serial_ ? "give each channel its own UDP port"
-                                   : sender_ == our_sender_ ? "both have the address " + sender_.to_string() +
-                                                                  ": give one of them another"
-                                                            : "give each its own UDP port, or set ip_address";
+      note_rival(telegram_.serial, arrival);
+      board_.update(Warning::other_stream, rival_serial_ == serial_, [&] {
+        const std::string remedy = telegram_.serial == serial_
+                                       ? "give each channel its own UDP port"
+                                       : "give each its own UDP port, or set ip_address";
         return "channel " + std::to_string(telegram_.channel) + " of scanner " +
                std::to_string(telegram_.serial) + " sends to the same place as channel " +
                std::to_string(channel_) + " of scanner " + std::to_string(serial_) + " and is left out; " +
@@ -144,6 +153,7 @@ class SafetyDriver final : public DriverBase {
       return false;
     }
     const std::uint32_t before = serial_;
+    rival_at_ = Stamp();
     board_.clear(Warning::other_device);
     if (stream_known_ && telegram_.serial != before)
       board_.set(Warning::other_device, "scanner " + std::to_string(before) + " was replaced by scanner " +
@@ -158,6 +168,12 @@ class SafetyDriver final : public DriverBase {
     clock_.reset();
     info_.serial = std::to_string(serial_);
     return true;
+  }
+
+  /// Data of another scanner, or of another channel, came between ours.
+  void note_rival(std::uint32_t serial, Stamp arrival) {
+    rival_at_ = arrival;
+    rival_serial_ = sender_ == our_sender_ ? serial : serial_;
   }
 
   /// Counts missing data sets by the sequence number. The scan number also skips where only every n-th scan
@@ -316,6 +332,7 @@ class SafetyDriver final : public DriverBase {
   std::uint32_t serial_ = 0;
   std::uint8_t channel_ = 0;
   Stamp last_arrival_, rival_at_;
+  std::uint32_t rival_serial_ = 0;  // of another scanner at our address, else our own
   bool sequence_known_ = false;
   std::uint32_t sequence_ = 0, scan_number_ = 0;
   Stamp counted_until_;

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 
 #include "core/base/angle.h"
 #include "test/sim/world/flat_world.h"
@@ -47,7 +48,7 @@ struct CheckedVehicle {
         }
         real.at.x() += speed * (t + 0.02 * static_cast<double>(s));
         PlanarScan scan;
-        real.measure(world, rng, scan);
+        real.measure(s == 1 && seen_by_second ? *seen_by_second : world, rng, scan);
         BeamRays rays;
         rays.build(scan, configured[s].pose(), {}, {});
         condition(scan, rays, settings, sweeps[s]);
@@ -59,6 +60,7 @@ struct CheckedVehicle {
   }
 
   FlatWorld world;
+  std::optional<FlatWorld> seen_by_second;  // if it is not the same, as from another height
   std::vector<FlatScanner> configured;
   SourceSettings settings;
   double speed = 0;      // m/s; the second scanner measures 20 ms after the first
@@ -112,6 +114,53 @@ TEST(MountCheck, FindsAMountShiftedByThreeCentimetresWithinTenSeconds) {
     const MountDifference& state = vehicle.drive(error, 0, 9);
     EXPECT_TRUE(state.is_wrong) << error.x << ' ' << error.y;
     expect_correction(state, error);
+  }
+}
+
+TEST(MountCheck, FindsAMountThatIsFarFromWhatIsConfigured) {
+  for (const MountError& error : {MountError{6, 0, 0}, MountError{-8, 0.1, 0}, MountError{12, 0, 0},
+                                  MountError{-25, 0, 0}, MountError{0, 0.6, 0}, MountError{0, -0.3, 0.9}}) {
+    CheckedVehicle vehicle(paper_room());
+    const MountDifference& state = vehicle.drive(error, 0, 9);
+    EXPECT_TRUE(state.is_wrong) << error.yaw_deg << ' ' << error.x;
+    EXPECT_FALSE(state.is_astray);
+    expect_correction(state, error);
+    EXPECT_FALSE(vehicle.drive({}, 9, 8).is_wrong) << "it was corrected";
+    expect_correction(state, {});
+  }
+}
+
+TEST(MountCheck, SaysThatAScannerSeesNothingOfWhatTheOtherOneSees) {
+  for (const double yaw_deg : {45.0, 70.0, -90.0, 130.0}) {
+    CheckedVehicle vehicle(paper_room());
+    EXPECT_FALSE(vehicle.drive({yaw_deg, 0, 0}, 0, 4).is_astray) << "for a moment";
+    const MountDifference& state = vehicle.drive({yaw_deg, 0, 0}, 4, 5);
+    EXPECT_TRUE(state.is_astray) << yaw_deg;
+    EXPECT_FALSE(state.is_wrong) << "no correction is known";
+    EXPECT_FALSE(vehicle.drive({}, 9, 2).is_astray);
+  }
+}
+
+TEST(MountCheck, IsSilentWhereTheOtherScannerLooksOverHalfOfTheThings) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    for (const bool walled : {true, false}) {
+      sim::Rng random(seed);
+      const auto between = [&](double low, double high) { return low + (high - low) * random.uniform(); };
+      FlatWorld low, high;
+      for (FlatWorld* world : {&low, &high})
+        if (walled) world->add_box({0, 0}, {15, 11}, 0.2);
+      for (int i = 0; i < 20; ++i) {
+        const Eigen::Vector2d at(between(-14, 14), between(-10, 10)), half(between(0.2, 1.5), between(0.2, 1.5));
+        const double yaw = between(0, 3);
+        if (at.norm() < 4) continue;
+        low.add_box(at, half, yaw);
+        if (i % 2 == 0) high.add_box(at, half, yaw);
+      }
+      CheckedVehicle vehicle(low, 0.015);
+      vehicle.seen_by_second = high;
+      const MountDifference& state = vehicle.drive({}, 0, 9);
+      EXPECT_FALSE(state.is_wrong || state.is_astray) << seed << ' ' << walled;
+    }
   }
 }
 

@@ -172,6 +172,7 @@ TEST(UdpPorts, SayWhoHasAPortAndOpenItWhenItIsFree) {
   EXPECT_EQ(item().is_up, false);
   ports.ports.note_changes();
   EXPECT_THAT(item().message, HasSubstr("in use by another program"));
+  EXPECT_THAT(item().message, testing::EndsWith(", process " + std::to_string(getpid()) + ")"));
   EXPECT_FALSE(item().logged) << "the journal logs it as anything else";
   EXPECT_EQ(log.text().find("in use"), std::string::npos) << log.text();
   other.reset();

@@ -78,6 +78,16 @@ TEST(MountCheckOutput, WarnsWithinTenSecondsOfAMountThatIsTurnedAndSaysByHowMuch
   EXPECT_THAT(item.message, ::testing::ContainsRegex("right by yaw \\+0\\.(4|5)[0-9]+ deg")) << item.message;
 }
 
+TEST(MountCheckOutput, WarnsOfAMountThatIsFarFromItsPose) {
+  const DiagnosticItem turned = status_after(9, 6, 0);
+  EXPECT_EQ(turned.health, Health::warn);
+  EXPECT_THAT(turned.message, ::testing::ContainsRegex("right by yaw \\+(5\\.9|6\\.0)[0-9]+ deg"));
+  const DiagnosticItem lost = status_after(9, 80, 0);
+  EXPECT_EQ(lost.health, Health::warn);
+  EXPECT_THAT(lost.message, HasSubstr("right sees nothing of what left sees where their fields of view overlap; "
+                                      "check the pose of both (since 00:00:0"));
+}
+
 TEST(MountCheckOutput, WarnsOfAMountThatIsShifted) {
   const DiagnosticItem item = status_after(9, 0, 0.03);
   EXPECT_EQ(item.health, Health::warn);

@@ -54,6 +54,24 @@ TEST(OtherModel, IsNamedWithTheWayToConfigureIt) {
   }
 }
 
+TEST(OtherModel, ThatSendsBesideTheConfiguredOneIsASecondDevice) {
+  test::PipelineBench bench("sensors: {roof: {model: velodyne_vlp16, ip_address: 192.168.1.201}}");
+  const auto own = test::spin({"velodyne_vlp16", sim::ReturnMode::strongest, ""}, 20);
+  const auto second = test::spin({"velodyne_vlp32c", sim::ReturnMode::strongest, ""}, 20);
+  Stamp now{};
+  for (std::size_t i = 0; i < own.size(); ++i) {
+    now = own[i].arrival;
+    bench.pipeline.packet({{own[i].bytes.data(), own[i].bytes.size()}, now, {sender, 2368}, {{}, 2368}});
+    if (i < second.size())
+      bench.pipeline.packet({{second[i].bytes.data(), second[i].bytes.size()}, now, {sender, 2368}, {{}, 2368}});
+    bench.pipeline.tick(now);
+  }
+  const DiagnosticItem item = bench.item("sensor roof", now);
+  EXPECT_EQ(item.health, Health::error);
+  EXPECT_EQ(item.message, "two devices have the address 192.168.1.201 (VLP-16 and VLP-32C); give one of them "
+                          "another IP address");
+}
+
 TEST(OtherModel, OfTheSameRowOrOfNoKnownProtocolIsNotNamed) {
   EXPECT_EQ(taken_as("velodyne_puck_lite", "velodyne_vlp16").health, Health::ok);
   OtherModel other(find_model("velodyne_vlp16"));

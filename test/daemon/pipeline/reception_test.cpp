@@ -201,6 +201,28 @@ TEST(ReceptionWatch, TellsThatAQuarterOfTheScansIsMissing) {
   EXPECT_THAT(stream.verdict.figures, testing::MatchesRegex("(29.9|30.0|30.1) of 40.0 frames/s"));
 }
 
+TEST(ReceptionWatch, KnowsTheRateOfAScannerThatABusyComputerReadsInBursts) {
+  constexpr double turn_s = 1 / 14.4;
+  ReceptionWatch watch(1 / 14.5);
+  Stream stream(1 / 14.5);
+  stream.scan.scan_time = static_cast<float>(turn_s);
+  double read_s = 0;
+  for (int i = 0; i < 300; ++i) {
+    // Three scans are read at once, and their stamps are drawn together.
+    const double sent_s = i * turn_s, burst_s = (i - i % 3) * turn_s;
+    stream.scan.stamp = stream.at(burst_s + 0.65 * (sent_s - burst_s));
+    if (i % 3 == 0) read_s = sent_s;
+    ++stream.counters.packets, ++stream.counters.frames;
+    watch.scan(stream.scan);
+    watch.advance(stream.at(read_s), stream.counters);
+    const ReceptionVerdict verdict = judge(watch.recent(), FrameKind::scan);
+    EXPECT_EQ(verdict.health, Health::ok) << i << ": " << verdict.figures;
+  }
+  const Reception recent = watch.recent();
+  EXPECT_NEAR(recent.expected / recent.frames_s, 14.4, 0.4);
+  EXPECT_NEAR(recent.frames / recent.frames_s, 14.4, 0.4);
+}
+
 TEST(ReceptionWatch, FollowsAMotorThatIsSetToAnotherRate) {
   Stream stream(0.1);
   EXPECT_EQ(stream.run(20, 0.1), Health::ok);

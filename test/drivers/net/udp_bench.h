@@ -56,6 +56,7 @@ struct UdpBench {
           for (const Packet& packet : packets) {
             last = packet;
             ++by_sender[packet.from.address.to_string()];
+            if (packet.stands_for > 1) stands_for += packet.stands_for;
             text = std::string(packet.payload.text());
             ++count;
           }
@@ -82,6 +83,7 @@ struct UdpBench {
   Packet last;
   std::string text;
   std::map<std::string, int> by_sender;
+  std::uint64_t stands_for = 0;  // packets of unknown senders
   std::uint64_t count = 0;
   UdpSource source;
 };

@@ -79,7 +79,21 @@ TEST(SegmentFaults, AnotherDeviceOnTheSamePortIsLeftOutAndNamed) {
   }
   EXPECT_EQ(bench.scans.size(), 3U);
   EXPECT_EQ(bench.driver->counters().other_packets, 40U);
-  EXPECT_TRUE(bench.has_warning("4711"));
+  EXPECT_EQ(bench.driver->info().two_devices, "device 23370016 and device 4711");
+  EXPECT_TRUE(bench.driver->info().warnings.empty()) << "with one address an own ip_address is no remedy";
+}
+
+TEST(SegmentFaults, ADeviceThatIsExchangedIsNotASecondOne) {
+  SegmentBench bench;
+  for (std::uint64_t f = 0; f < 60; ++f) {
+    for (int i = 0; i < SegmentBench::segments; ++i) {
+      sim::SickSegment segment = bench.segment(f, i);
+      if (f >= 4) segment.sender = 4711;
+      bench.send(bench.encode(segment), bench.arrival(f, i));
+      EXPECT_EQ(bench.driver->info().two_devices, "") << f;
+    }
+  }
+  EXPECT_EQ(bench.driver->info().serial, "4711");
 }
 
 }  // namespace

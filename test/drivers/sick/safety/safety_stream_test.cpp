@@ -43,7 +43,14 @@ TEST(SafetyStream, SaysWhatToDoWhereSeveralStreamsComeToOnePlace) {
   SafetyBench bench;
   bench.send_next();
   send(bench, bench.sample.serial + 1, 0, 21);
-  EXPECT_TRUE(bench.has_warning("both have the address 192.168.0.21: give one of them another"));
+  EXPECT_EQ(bench.driver->info().two_devices, "") << "it may have been exchanged";
+  bench.send_next();
+  EXPECT_EQ(bench.driver->info().two_devices, "scanner " + std::to_string(bench.sample.serial) + " and scanner " +
+                                                  std::to_string(bench.sample.serial + 1));
+  EXPECT_TRUE(bench.driver->info().warnings.empty());
+  for (int i = 0; i < 400; ++i) bench.send_next();
+  EXPECT_EQ(bench.driver->info().two_devices, "") << "the other one was switched off";
+  EXPECT_EQ(bench.scans.size(), 402U);
   SafetyBench apart;
   apart.send_next();
   send(apart, apart.sample.serial + 1, 0, 22);
@@ -52,6 +59,26 @@ TEST(SafetyStream, SaysWhatToDoWhereSeveralStreamsComeToOnePlace) {
   channels.send_next();
   send(channels, channels.sample.serial, 1, 21);
   EXPECT_TRUE(channels.has_warning("give each channel its own UDP port"));
+}
+
+TEST(SafetyStream, TwoScannersThatCountAlikeAreNoCopies) {
+  SafetyBench bench;
+  for (int i = 0; i < 30; ++i) {
+    bench.send_next();
+    Ms3Sample other = bench.sample;
+    other.serial += 7;
+    for (const Bytes& datagram : ms3_datagrams(other.instance(), bench.identification - 1))
+      bench.driver->receive(packet_of(datagram, bench.now), bench);
+  }
+  EXPECT_EQ(bench.driver->info().two_devices, "scanner " + std::to_string(bench.sample.serial) + " and scanner " +
+                                                  std::to_string(bench.sample.serial + 7));
+  SafetyBench doubled;
+  for (int i = 0; i < 30; ++i) {
+    doubled.send_next();
+    --doubled.identification;
+    doubled.send(doubled.sample, doubled.now);
+  }
+  EXPECT_EQ(doubled.driver->info().two_devices, "") << "a network that doubles datagrams";
 }
 
 TEST(SafetyStream, SequenceNumberMayWrap) {
