@@ -150,11 +150,12 @@ class Forecast {
     const double end = sensor->model->field.width() / 2;
     int kept = 0, left_out = 0, wanted = 0;  // degrees
     for (int deg = -180; deg < 180; ++deg) {
-      const bool is_wanted = sector.holds(deg * rad_per_deg), is_seen = std::abs(deg * rad_per_deg) <= end;
+      const double middle = (deg + 0.5) * rad_per_deg;
+      const bool is_wanted = sector.holds(middle), is_seen = std::abs(middle) <= end;
       wanted += is_wanted ? 1 : 0;
       if (is_seen) ++(is_wanted ? kept : left_out);
     }
-    if (left_out == 0 || kept > 0.75 * wanted) return;
+    if (sector.is_line() || left_out == 0 || kept > 0.75 * wanted) return;
     add(entry,
         printed("of the %d deg between angle_min and angle_max only %d are in the view of the scanner, "
                 "%.1f to %.1f deg",

@@ -212,7 +212,9 @@ std::string others_in_yaml(const FoundSensor& sensor) {
 std::string nothing_found(const Survey& found, const Model* wanted) {
   std::string all;
   for (const SeenFlow& flow : found.unknown) {
-    if (!flow.remark.empty()) all += (all.empty() ? "" : "\n") + flow.to_string() + ": " + flow.remark;
+    if (flow.remark.empty()) continue;
+    const std::string file = found.captures.size() == 1 ? found.captures[0].file + ": " : "";
+    all += (all.empty() ? "" : "\n") + file + flow.to_string() + ": " + flow.remark;
   }
   if (!all.empty()) return all;
   for (const SurveyedCapture& capture : found.captures) {

@@ -317,11 +317,12 @@ SensorReport Sensor::report() const {
 /// A sentence on two devices with the sensor's address; empty: there is one.
 std::string Sensor::two_devices() const {
   if (driver_ == nullptr) return {};
-  std::string who = driver_->info().two_devices;
+  std::string who;
+  if (const std::string other = other_model_.beside(); !other.empty())
+    who = std::string(config_.model->product) + " and " + other;
   if (const std::string both = serials_.both(context_.now); who.empty() && !both.empty())
     who = "serial numbers " + both;
-  if (const std::string other = other_model_.beside(); who.empty() && !other.empty())
-    who = std::string(config_.model->product) + " and " + other;
+  if (who.empty()) who = driver_->info().two_devices;
   const std::string address = config_.ip_address.value_or(data_sender_).to_string();
   return who.empty() ? who : two_devices_text(address, who);
 }

@@ -220,11 +220,12 @@ class ColaDriver final : public DriverBase {
     ColaStream ahead = stream_;
     if (packet.stream_start || packet.missing > 0) ahead.interrupt();
     ahead.add(packet.payload);
+    bool found = false;
     for (ColaTelegram telegram; ahead.next(telegram);) {
-      if (is_cola_scan(telegram) && parse_cola_scan(telegram, scan_) == Reject::none &&
-          apply_geometry() == Reject::none)
-        observe(packet.arrival);
+      found = is_cola_scan(telegram) && parse_cola_scan(telegram, scan_) == Reject::none &&
+              apply_geometry() == Reject::none;
     }
+    if (found) observe(packet.arrival);
     clock_.repeat();
     counters_ = before;
   }

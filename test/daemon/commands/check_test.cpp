@@ -185,7 +185,7 @@ TEST_F(Check, QuestionsASectorThatTheScannerDoesNotSee) {
   };
   sector("angle_min_deg: 90, angle_max_deg: 270");
   EXPECT_TRUE(
-      says("sensors.a: of the 180 deg between angle_min and angle_max only 96 are in the view of the "
+      says("sensors.a: of the 180 deg between angle_min and angle_max only 94 are in the view of the "
            "scanner, -137.5 to 137.5 deg"))
       << err_.str();
   sector("angle_min_deg: 150, angle_max_deg: -150");

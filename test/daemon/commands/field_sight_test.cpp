@@ -213,7 +213,7 @@ TEST(EmptyField, OdometryPoliciesAndLostSourcesDoNotKeepAScanAway) {
       "  front: {model: hokuyo_ust_10lx, ip_address: 10.0.0.1, pose: {xyz: [0, 0, 0.3]}, time_offset: -0.2}\n"
       "  nowhere: {model: sick_tim7xx, ip_address: 10.0.0.2}\n"
       "merged_scans: {scan: {laserscan_topics: [front, nowhere], profile: strict, policy: trigger, trigger: "
-      "front, on_missing_motion: drop, range_max: 9, lost_after: 5}}\n");
+      "front, on_missing_motion: drop, range_max: 3.5, lost_after: 5}}\n");
   EXPECT_TRUE(one.came);
   EXPECT_GE(one.free.ahead, 99);
 }

@@ -165,7 +165,7 @@ TEST(MergedScanConfig, RefusesGridsWhereTheMistakeStands) {
   EXPECT_EQ(merged_error(begin + "angle_increment: 0"),
             "f:7:48: merged_scans.m: angle_increment is not positive; expected a value above 0");
   EXPECT_EQ(merged_error(begin + "angle_min: 1, angle_max: 1"),
-            "f:7:60: merged_scans.m: angle_max is not above angle_min; expected angle_min < angle_max");
+            "f:7:56: merged_scans.m: angle_max is not above angle_min; expected angle_min < angle_max");
   EXPECT_EQ(merged_error(begin + "angle_increment: 0.1, beams: 10"),
             "f:7:48: merged_scans.m: both angle_increment and beams are given; expected one of them");
   EXPECT_EQ(merged_error(begin + "range_min: 5, range_max: 5"),

@@ -55,7 +55,7 @@ TEST(ScheduleConfig, SourcesHaveWindowsOfTheirOwn) {
       "-90, angle_max_deg: 90, no_return_free_range: 0}}");
   const SourceSettings& a = config.source_settings.at("a");
   EXPECT_EQ(a.range_max, 8);
-  EXPECT_NEAR(a.angle_max, 1.5707963, 1e-6);
+  EXPECT_NEAR(a.angle_max.value_or(0), 1.5707963, 1e-6);
   EXPECT_EQ(a.no_return_free_range, 0);
   EXPECT_EQ(a.noise, 0.03);
   EXPECT_EQ(config.source_settings.count("b"), 0U);

@@ -184,7 +184,7 @@ TEST(SensorConfig, TakesAWindowThroughStraightBehindAndRefusesOneWithoutWidth) {
   EXPECT_TRUE(sector.holds(-2.6));
   EXPECT_FALSE(sector.holds(0));
   EXPECT_EQ(error_of("sensors: {a: {model: sick_microscan3, angle_min_deg: 10, angle_max_deg: 10}}"),
-            "f:1:71: sensors.a.angle_max_deg is a sector of no width; expected angle_min and angle_max of a "
+            "f:1:73: sensors.a.angle_max_deg is a sector of no width; expected angle_min and angle_max of a "
             "sector, counter-clockwise");
 }
 

@@ -188,7 +188,7 @@ TEST(BadInput, AnglesThatDoNotFitTheNumberOfRangesAreRefusedWithTheReason) {
 
 TEST(BadInput, TimesThatCannotBeAreRefusedWithTheReason) {
   Room room;
-  for (const float bad : {nan, inf, -inf, -1e-5F, 1e30F, 10.0F})
+  for (const float bad : {nan, inf, -inf, 1e30F, 10.0F, -10.0F})
     EXPECT_THAT(room.sweep([bad](auto& m) { m.time_increment = bad; }), HasSubstr("time_increment")) << bad;
 }
 

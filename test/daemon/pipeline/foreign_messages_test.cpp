@@ -123,10 +123,13 @@ TEST(ForeignMessages, AfterALongPauseOutputsOfThePastAreNotMadeUpFor) {
       "sensors: {a: {topic: /a, pose: {xyz: [0, 0, 0]}}}\n"
       "merged_scans: {m: {laserscan_topics: a, range_max: 20, beams: 360, rate: 10, deadline: 100, "
       "lost_after: 100}}\n");
-  bench.give("a", round_scan("a", bench_begin), bench_begin);
-  for (double at = 100; at <= 1000; at += 100) bench.pipeline.tick(bench_begin + ms(at));
-  EXPECT_EQ(bench.sink.count("m"), 11U);
-  bench.pipeline.tick(bench_begin + ms(31'000));
+  const auto come_at = [&](double at) {
+    bench.give("a", round_scan("a", bench_begin + ms(at)), bench_begin + ms(at));
+    bench.pipeline.tick(bench_begin + ms(at));
+  };
+  for (double at = 0; at <= 1000; at += 100) come_at(at);
+  EXPECT_GE(bench.sink.count("m"), 10U);
+  come_at(31'000);
   EXPECT_LE(bench.sink.count("m"), 11U + 12U);
   for (const Stamp released : bench.sink.released["m"])
     EXPECT_TRUE(released <= bench_begin + ms(1000) || released >= bench_begin + ms(30'000));

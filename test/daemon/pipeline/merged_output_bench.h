@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
 
 #include "test/support/pipeline_bench.h"
@@ -33,11 +34,11 @@ inline void expect_near(Stamp is, Stamp should, const char* what = "") {
   EXPECT_NEAR(seconds(is - should), 0, 2e-6) << what;
 }
 
-/// Knots every 10 ms of a vehicle that turns, up to `newest` of the bench's time.
+/// Knots every 10 ms of a vehicle that turns, up to `newest` of the bench's time; none comes before its time.
 inline void poses_until(PipelineBench& bench, Span newest, Stamp arrival) {
   for (Span at = newest - ms(600); at <= newest; at += ms(10))
     bench.pipeline.pose_message(bench_begin + at, make_pose({0, 0, 0}, {0, 0, 0.3 * seconds(at)}), "",
-                                arrival);
+                                std::max(arrival, bench_begin + at));
 }
 
 }  // namespace lidard::test::merged

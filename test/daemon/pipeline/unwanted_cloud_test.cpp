@@ -70,7 +70,7 @@ TEST(UnwantedCloud, IsNotMadeButCountedAndJudgedAsOneThatIs) {
     EXPECT_EQ(without.counters.lost_packets, with.counters.lost_packets);
     EXPECT_GT(without.counters.lost_packets, 10U);
     EXPECT_EQ(without.recent.frames_looked, with.recent.frames_looked);
-    EXPECT_EQ(without.recent.expected, with.recent.expected);
+    EXPECT_NEAR(without.recent.expected, with.recent.expected, 0.01 * with.recent.expected);
     const auto share = [](const Reception& r) { return double(r.returns) / double(r.beams); };
     EXPECT_NEAR(share(without.recent), share(with.recent), 0.03);
     EXPECT_EQ(unheard.pipeline.output_report()[0].messages, heard.pipeline.output_report()[0].messages);

@@ -161,6 +161,7 @@ struct Listening {
   Pipeline pipeline{config, poses, sink};
   std::mutex mutex;
   std::vector<RosTask> waiting;
+  Stamp now = packets().back().arrival;  // messages come as soon as they are sent
   RosConnection connection{{}, {}};
   std::shared_ptr<RosInputs> inputs = std::make_shared<RosInputs>(
       std::vector<TopicSource>{{"roof", "/velodyne_packets", true}}, [this](Worker, RosTask task) {
@@ -181,7 +182,7 @@ struct Listening {
         const std::lock_guard lock(mutex);
         tasks.swap(waiting);
       }
-      for (const auto& task : tasks) task(pipeline, Stamp{1});
+      for (const auto& task : tasks) task(pipeline, now);
     }
     return done();
   }

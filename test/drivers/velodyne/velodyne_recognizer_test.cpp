@@ -57,7 +57,12 @@ std::string remark_on(std::uint16_t port, std::string_view sentence, std::size_t
   std::vector<std::uint8_t> bytes(size);
   if (size > 0xCE + sentence.size()) std::copy(sentence.begin(), sentence.end(), bytes.begin() + 0xCE);
   Identifier identifier;
-  identifier.add({{bytes.data(), bytes.size()}, Stamp(1), {IpAddress::v4(10, 0, 0, 1), 8308}, {{}, port}});
+  Packet packet;
+  packet.payload = ByteView(bytes.data(), bytes.size());
+  packet.arrival = Stamp{1'700'000'000'000'000'000};
+  packet.from = {IpAddress::v4(10, 0, 0, 1), 8308};
+  packet.to.port = port;
+  identifier.add(packet);
   EXPECT_EQ(identifier.verdict(), nullptr);
   return identifier.remark();
 }
