@@ -195,7 +195,8 @@ void ReceptionWatch::cloud(const Cloud& cloud) {
 void ReceptionWatch::learn(Stamp stamp, double lasts_s) {
   distances_[distance_count_++ % distances] = seconds(stamp - last_stamp_);
   last_stamp_ = stamp;
-  const double learned = std::max(median_distance(), 0.98 * lasts_s);
+  const double measured = median_distance();
+  const double learned = measured > 0 ? std::max(measured, 0.98 * lasts_s) : 0;
   // Stamps of frames that arrive in a burst are not usable.
   period_s_ = learned < fastest * promised_s_ ? 0 : std::min(learned, slowest * promised_s_);
 }
