@@ -20,9 +20,9 @@ constexpr int many_strikes = 6, most_strikes = 20;
 
 Stamp TopicClock::place(Stamp stamp, Span lasts, Stamp arrival) {
   const Span ahead = stamp + lasts - arrival;
-  const bool is_foreign = ahead > clocks_differ || ahead < -longest_way;
+  const bool is_foreign = ahead > lead_ + clocks_differ || ahead < -longest_way;
   strikes_ = std::clamp(strikes_ + (is_foreign ? 2 : -1), 0, most_strikes);
-  if (!is_foreign) return std::min(stamp, arrival - lasts);
+  if (!is_foreign) return std::min(stamp, arrival + lead_ - lasts);
   ++replaced_;
   ahead_ = ahead;
   if (stamp <= newest_) clock_.reset();

@@ -11,10 +11,13 @@
 namespace lidard {
 
 /// Judges the stamps of another node's messages by their arrivals. What was measured after its arrival, or
-/// long before it, was stamped by a clock that is not this host's. What replaces it keeps the intervals of that clock and is
-/// placed by the arrivals, as the stamps of a device are; stamps that do not increase become the arrival.
+/// long before it, was stamped by a clock that is not this host's. What replaces the stamp keeps the intervals
+/// of that clock and is placed by the arrivals, as the stamps of a device are; a stamp that does not increase
+/// becomes the arrival.
 class TopicClock {
  public:
+  /// `lead`: how far ahead of their arrival stamps may be, as those of predicted poses are.
+  explicit TopicClock(Span lead = Span(0)) : lead_(lead) {}
   /// The stamp, or what replaces it. `lasts`: from the stamp to the last measurement of the message;
   /// `arrival`: by the clock that should have made the stamp.
   Stamp place(Stamp stamp, Span lasts, Stamp arrival);
@@ -25,6 +28,7 @@ class TopicClock {
   std::string trouble(const std::string& source, bool has_offset) const;
 
  private:
+  Span lead_;
   DeviceClock clock_;
   Stamp newest_{};
   Span ahead_{0};  // of the newest stamp that was replaced

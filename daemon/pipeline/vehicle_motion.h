@@ -60,7 +60,7 @@ class VehicleMotion {
   const VehicleConfig& vehicle_;
   TransformSource& transforms_;
   FrameTree& frames_;
-  TopicClock topic_clock_;
+  TopicClock topic_clock_{std::chrono::seconds(1)};  // poses may be predicted
   PoseTrack track_;
   DeadReckoning reckoning_;
   std::vector<StampedPose> new_poses_;

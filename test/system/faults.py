@@ -40,7 +40,7 @@ MIDDLEWARE = [
     Fault("unusable", "messages of a source are unusable", "bad input", "WARN", "unusable messages", 3),
     Fault("no_pose", "no pose for a merged scan", "merged astray", "ERROR", "publish it on tf or configure the pose", 3),
     Fault("mount", "a mount is wrong", "merged bent", "WARN", "do not agree on where surfaces are; correct a mount", 15),
-    Fault("far_mount", "a mount is wrong by 8 degrees", "merged far_off", "WARN", "do not agree on where surfaces are; correct a mount", 15),
+    Fault("far_mount", "a mount is wrong by 8 degrees", "merged far_off", "WARN", "sees nothing of what left sees where their fields of view overlap", 15),
     Fault("astray", "a mount is wrong by a quarter of a turn", "merged astray_mount", "WARN", "of what left sees where their fields of view overlap; check the pose", 15),
     Fault("full_disk", "the state cannot be written at the start", "configuration", "WARN", "the configuration cannot be kept for a start with a wrong file", 3),
     Fault("no_cloud", "no cloud for a virtual scan", "virtual levels", "ERROR", "no output for more than 3 s", 4),

@@ -127,14 +127,14 @@ def check_two_in_namespaces(program, port):
 
 
 def check_other_clock(program, port):
-    """Stamps of a bag or a simulator have nothing to do with the time at hand."""
+    """Stamps of a bag that is played without /clock are of no clock of this host: the arrival takes their place."""
     set_parameters(port, "/old", {"laserscan_topics": "/scansx /scandx", "destination_frame": "cart_frame"})
     talkers = [Talker(topic, scan, offset=-1e8) for topic, scan in (("/scansx", left_scan()), ("/scandx", right_scan()))]
     merged = Listener("/scan_multi")
     with program.run("__name:=old"):
         wait_for(lambda: len(merged.messages) > 10, 10, "scans with old stamps:\n" + program.log.read_text())
         age = rospy.Time.now().to_sec() - merged.messages[-1].header.stamp.to_sec()
-        expect(abs(age - 1e8) < 5, f"the stamps of the inputs, {age} s old")
+        expect(0 <= age < 5, f"the time of arrival, {age} s old")
     for one in [*talkers, merged]:
         one.close()
 
