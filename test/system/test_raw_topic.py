@@ -11,6 +11,7 @@ import genpy.dynamic
 import rosbag
 from harness import PAYLOAD, daemon, expect, expect_end, make_capture, process, records, run, scene_of, stamp_ns, wait_for, write
 from ros_tools import Listener, ros_test
+import rospy
 from sensor_msgs.msg import PointCloud2
 
 SCENE = scene_of({"roof": "model: velodyne_vlp16, from: '192.168.1.201:2368', to: '192.168.1.77:2368'"},
@@ -75,10 +76,12 @@ def main():
         check_replay(tmp, sender, capture, captured)
         direct, decoded = (Listener(topic, PointCloud2, buff_size=1 << 24) for topic in ("/direct", "/decoded"))
         record = ["/usr/lib/rosbag/record", "-O", tmp / "recorded.bag", "/velodyne_packets"]
+        # The packets have the capture's stamps, and the replay publishes the clock that they belong to.
+        rospy.set_param("/use_sim_time", True)
         with daemon(reader, "__name:=reader", env={**os.environ, "LIDARD_SOCKET": str(tmp / "reader.socket")}) as child, \
                 process(record, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as recorder:
             wait_for(lambda: "ROS master found" in child.said(), 20, "the reader starts:\n" + child.said())
-            sent = run("replay", "-c", sender, "--pcap", capture, "--rate", "1", "--wait", "2")
+            sent = run("replay", "-c", sender, "--pcap", capture, "--rate", "1", "--wait", "2", "--clock")
             expect(sent.returncode == 0, sent.stderr)
             wait_for(lambda: len(decoded.messages) > 45, 20, f"{len(direct.messages)} direct and {len(decoded.messages)} decoded clouds")
             expect_end(recorder, signal.SIGINT)
