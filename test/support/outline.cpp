@@ -1,0 +1,261 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "test/support/outline.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lidard::outlines {
+namespace {
+
+// Beams farther apart than this (sine) are not neighbours; a scan plane that stands nearly upright has such
+// beams.
+constexpr float widest_step = 0.2F;
+// Cosine of the angle between two vertices of a far side; its chords must stay beyond all ranges.
+constexpr float far_step = 0.95F;
+// m; free ways whose ends differ less end at one distance.
+constexpr float same_length = 1e-4F;
+// The path of a scanner is drawn with a vertex per so many beams. It bends little within a sweep.
+constexpr std::size_t path_stride = 16;
+
+}  // namespace
+
+void Outlines::clear() {
+  x.clear();
+  y.clear();
+  edges.clear();
+}
+
+std::uint32_t Outlines::add_vertex(float at_x, float at_y) {
+  x.push_back(at_x);
+  y.push_back(at_y);
+  return static_cast<std::uint32_t>(x.size() - 1);
+}
+
+Outlines::Edge& Outlines::add_edge(std::uint32_t from, std::uint32_t to, int free, int hidden) {
+  edges.push_back({from, to, source_, static_cast<std::int8_t>(free), static_cast<std::int8_t>(hidden)});
+  return edges.back();
+}
+
+void Outlines::add_polygon(std::size_t source, const Footprint& polygon) {
+  source_ = static_cast<std::uint16_t>(source);
+  const auto first = static_cast<std::uint32_t>(x.size());
+  const auto count = static_cast<std::uint32_t>(polygon.vertices().size());
+  for (const Eigen::Vector2d& v : polygon.vertices())
+    add_vertex(static_cast<float>(v.x()), static_cast<float>(v.y()));
+  for (std::uint32_t i = 0; i < count; ++i) add_edge(first + i, first + (i + 1) % count, -1, 0);
+}
+
+void Outlines::add_sweep(std::size_t source, const BeamRays& rays, const PlacedScan& sweep,
+                         float passed_share, float reach) {
+  rays_ = &rays;
+  sweep_ = &sweep;
+  source_ = static_cast<std::uint16_t>(source);
+  before_ = after_ = static_cast<float>(std::fabs(rays.increment) / 2);
+  passed_share_ = passed_share;
+  reach_ = reach;
+  read_beams();
+  const std::size_t n = beams_.size();
+  const bool closes = closes_circle();
+  // A full circle is read from a break on.
+  std::size_t start = 0;
+  if (closes) {
+    while (start < n && joins(start, start + 1)) ++start;
+    if (start == n) return add_run(0, n, true);
+    ++start;
+  }
+  for (std::size_t k = start; k < start + n;) {
+    if (beam(k).length <= 0) {
+      ++k;
+      continue;
+    }
+    std::size_t end = k + 1;
+    while (end < start + n && (end % n != 0 || closes) && joins(end - 1, end)) ++end;
+    add_run(k, end, false);
+    k = end;
+  }
+}
+
+void Outlines::read_beams() {
+  const std::size_t n = sweep_->kind.size();
+  at_x_ = static_cast<float>(rays_->pose.translation().x());
+  at_y_ = static_cast<float>(rays_->pose.translation().y());
+  clockwise_ = (rays_->increment < 0) != (rays_->pose.linear()(2, 2) < 0);
+  beams_.resize(n);
+  for (std::size_t k = 0; k < n; ++k) place_beam(index(k), beams_[k]);
+}
+
+void Outlines::place_beam(std::size_t i, Beam& b) const {
+  b.length = std::min(sweep_->free_to[i], reach_);
+  b.from = sweep_->free_from[i];
+  b.hides = sweep_->kind[i] != Return::nothing;
+  b.vertex = none;
+  if (sweep_->moved) {
+    b.ox = at_x_ + sweep_->origin_x[i], b.oy = at_y_ + sweep_->origin_y[i];
+    b.x = at_x_ + sweep_->free_x[i], b.y = at_y_ + sweep_->free_y[i];
+    const float per_m = b.length > 0 ? 1 / b.length : 0;
+    b.ux = (b.x - b.ox) * per_m, b.uy = (b.y - b.oy) * per_m;
+  } else {
+    const float per_m = 1 / rays_->level[i];
+    b.ox = at_x_, b.oy = at_y_;
+    b.ux = rays_->x[i] * per_m, b.uy = rays_->y[i] * per_m;
+    b.x = at_x_ + b.ux * b.length, b.y = at_y_ + b.uy * b.length;
+  }
+  b.bx = b.ox + b.ux * b.from, b.by = b.oy + b.uy * b.from;
+  b.at_return =
+      b.hides && std::fabs(b.length - sweep_->range[i] * rays_->level[i]) < same_length * b.length;
+  if (b.at_return) b.x = sweep_->x[i], b.y = sweep_->y[i];
+}
+
+bool Outlines::joins(std::size_t a, std::size_t b) const {
+  const Beam &p = beam(a), &q = beam(b);
+  return p.length > 0 && q.length > 0 && p.ux * q.ux + p.uy * q.uy > 0 &&
+         std::fabs(p.ux * q.uy - p.uy * q.ux) < widest_step;
+}
+
+/// The last beam of a full circle is the neighbour of the first one while the vehicle stands; otherwise a
+/// whole sweep lies between them.
+bool Outlines::closes_circle() const {
+  const std::size_t n = beams_.size();
+  if (n < 3 || sweep_->moved) return false;
+  const auto turn = [this](std::size_t a, std::size_t b) {
+    return beam(a).ux * beam(b).uy - beam(a).uy * beam(b).ux;
+  };
+  const float seam = turn(n - 1, n), step = turn(0, 1);
+  // The last beam may point where the first one does.
+  return seam > -0.1F * step && seam < 1.5F * step && beam(0).ux * beam(n - 1).ux + beam(0).uy * beam(n - 1).uy > 0;
+}
+
+/// Adds the outline of beams [first, end), neighbours all; `closed`: they are the full circle.
+void Outlines::add_run(std::size_t first, std::size_t end, bool closed) {
+  chain_.clear();
+  const std::size_t pairs = closed ? end : end - 1;
+  if (!closed) add_end(first, end, true);
+  for (std::size_t k = first; k < pairs; ++k) add_pair(k);
+  if (!closed) add_end(first, end, false);
+  const std::size_t links = chain_.size();
+  for (std::size_t i = 0; i + (closed ? 0 : 1) < links; ++i) {
+    Edge& edge =
+        add_edge(chain_[i].vertex, chain_[(i + 1) % links].vertex, -1, chain_[i].hides ? 1 : 0);
+    edge.near = chain_[i].near;
+  }
+  add_inner_side(first, end, closed);
+  add_hidden(closed);
+}
+
+std::uint32_t Outlines::vertex_of(std::size_t k) {
+  Beam& b = beam(k);
+  if (b.vertex == none) b.vertex = add_vertex(b.x, b.y);
+  return b.vertex;
+}
+
+/// Between the first or last beam of a run and its unseen side: half a step more at the beam's distance.
+void Outlines::add_end(std::size_t first, std::size_t end, bool begins) {
+  const std::size_t k = begins ? first : end - 1;
+  const Beam b = beam(k);
+  const float aside = begins ? before_ : after_;
+  float tx = -b.uy * aside, ty = b.ux * aside;
+  if (end - first > 1) {
+    const Beam& before = beam(begins ? first : end - 2);
+    const Beam& after = beam(begins ? first + 1 : end - 1);
+    tx = (after.ux - before.ux) / 2, ty = (after.uy - before.uy) / 2;
+  }
+  Beam edge = b;
+  if (begins) tx = -tx, ty = -ty;
+  edge.ux += tx, edge.uy += ty;
+  edge.bx += tx * b.from, edge.by += ty * b.from;
+  const std::uint32_t vertex = add_vertex(b.x + tx * b.length, b.y + ty * b.length);
+  if (begins)
+    push(vertex, edge, b.hides);
+  else
+    push(vertex_of(k), b, b.hides), push(vertex, edge, false);
+}
+
+void Outlines::push(std::uint32_t vertex, const Beam& beam, bool hides, Edge::Near near) {
+  chain_.push_back({vertex, beam.ux, beam.uy, beam.bx, beam.by, hides, near});
+}
+
+/// Adds what lies between beam k and the next one, but for the end of the next one.
+void Outlines::add_pair(std::size_t k) {
+  const std::uint32_t vertex = vertex_of(k);
+  const Beam a = beam(k), b = beam(k + 1);
+  const bool nearer = a.length <= b.length;
+  const bool hides = nearer ? a.hides : b.hides;
+  if (sweep_->linked[link_index(k)] == PlacedScan::linked_surely) return push(vertex, a, true);
+  push(vertex, a, a.hides);
+  if (!hides && std::fabs(a.length - b.length) <= same_length) return;
+  const float passed = hides ? passed_share_ : 0.5F;
+  const float share = nearer ? 1 - passed : passed;
+  Beam border = a;
+  border.ux += share * (b.ux - a.ux), border.uy += share * (b.uy - a.uy);
+  border.ox += share * (b.ox - a.ox), border.oy += share * (b.oy - a.oy);
+  const float scale = 1 / std::sqrt(border.ux * border.ux + border.uy * border.uy);
+  border.ux *= scale, border.uy *= scale;
+  push(add_vertex(border.ox + border.ux * a.length, border.oy + border.uy * a.length), border, hides,
+       nearer ? Edge::at_from : Edge::at_to);
+  push(add_vertex(border.ox + border.ux * b.length, border.oy + border.uy * b.length), border, b.hides);
+}
+
+/// Adds the way back along the begins of the free ways.
+void Outlines::add_inner_side(std::size_t first, std::size_t end, bool closed) {
+  bool begins_later = false;  // nearer than somewhere nobody looked
+  for (std::size_t k = first; k < end; ++k) begins_later = begins_later || beam(k).from > 0;
+  if (closed && !begins_later) return;
+  const std::size_t stride = begins_later ? 1 : sweep_->moved ? path_stride : end - first;
+  const std::uint32_t start =
+      closed ? add_vertex(beam(end - 1).bx, beam(end - 1).by) : chain_.back().vertex;
+  std::uint32_t at = start;
+  const auto lead_to = [&](std::uint32_t vertex) {
+    add_edge(at, vertex, -1, 0);
+    at = vertex;
+  };
+  if (!closed) lead_to(add_vertex(chain_.back().bx, chain_.back().by));
+  for (std::size_t k = end - 1; k > first + stride; k -= stride) lead_to(add_vertex(beam(k - stride).bx, beam(k - stride).by));
+  if (closed || stride < end - first) lead_to(add_vertex(beam(first).bx, beam(first).by));
+  if (closed) return lead_to(start);
+  if (begins_later) lead_to(add_vertex(chain_.front().bx, chain_.front().by));
+  lead_to(chain_.front().vertex);
+}
+
+/// Adds the borders and far sides of what the chain's returns hide.
+void Outlines::add_hidden(bool closed) {
+  const std::size_t links = chain_.size();
+  const std::size_t count = closed ? links : links - 1;  // of edges
+  std::size_t start = 0;
+  if (closed) {
+    while (start < links && chain_[start].hides) ++start;
+    if (start == links) return add_far_side(0, links);
+  }
+  for (std::size_t k = start; k < start + count;) {
+    if (!chain_[k % links].hides) {
+      ++k;
+      continue;
+    }
+    std::size_t end = k;
+    while (end < start + count && chain_[end % links].hides) ++end;
+    add_far_side(k, end);
+    k = end;
+  }
+}
+
+/// Links [first, last] of the chain, which may count on beyond its end.
+void Outlines::add_far_side(std::size_t first, std::size_t last) {
+  const auto far = [this](const Link& link) {
+    return add_vertex(x[link.vertex] + link.ux * reach_, y[link.vertex] + link.uy * reach_);
+  };
+  const auto at = [this](std::size_t k) -> const Link& { return chain_[k % chain_.size()]; };
+  std::uint32_t vertex = far(at(first));
+  add_edge(at(first).vertex, vertex, 0, -1).near = Edge::at_from;
+  std::size_t before = first;
+  for (std::size_t k = first + 1; k <= last; ++k) {
+    const bool turned = at(before).ux * at(k).ux + at(before).uy * at(k).uy < far_step;
+    if (!turned && k < last) continue;
+    const std::uint32_t next = far(at(k));
+    add_edge(vertex, next, 0, -1);
+    vertex = next;
+    before = k;
+  }
+  add_edge(vertex, at(last).vertex, 0, -1).near = Edge::at_to;
+}
+
+}  // namespace lidard::outlines

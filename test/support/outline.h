@@ -1,0 +1,112 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/evidence/placed_scan.h"
+
+namespace lidard::outlines {
+
+/// The outlines of what several sources see to be free, as lists of vertices and directed edges in the
+/// output's plane.
+///
+///          1----2            The outline of one sweep from its scanner S, counter-clockwise: from return to
+///         /      \           return along a surface (1-2), out or in along a jump where a near return ends
+///    .---0 jump   \          and a far one begins, an arc at the end of the reach of a beam without return,
+///    |             3         and back along the places from which the beams were measured.
+///    |            /          Left of an edge the source sees free space. Right of it lies what a return
+///    S----------o----x-->    hides (`hides`), or what nobody looked at.
+///
+/// What a return hides is a region, too: it reaches from the hiding edges of the outline outward to beyond
+/// all ranges. Where hiding edges follow open ones, a border leads outward from the vertex between them.
+/// Borders and far ends bound hidden space alone.
+class Outlines {
+ public:
+  /// How the space on the two sides of an edge differs. A beam that crosses an edge counter-clockwise as seen
+  /// from its begin goes from left to right.
+  struct Edge {
+    std::uint32_t from = 0, to = 0;  ///< vertices
+    std::uint16_t source = 0;
+    std::int8_t free = 0;    ///< change of the number of free layers of the source from left to right
+    std::int8_t hidden = 0;  ///< the same of hidden layers
+    /// The end of the edge that lies at the return which hides; none: all of the edge does.
+    enum Near : std::uint8_t { both, at_from, at_to } near = both;
+  };
+
+  static constexpr std::uint32_t none = 0xFFFFFFFF;
+  /// A beam, or a part of one, that is free from its begin to its end.
+  struct Beam {
+    float x, y;      ///< m, end of the free way
+    float ox, oy;    ///< m, the place from which the source looks
+    float ux, uy;    ///< direction, 1 m
+    float length;    ///< m, from that place to the end; 0: no evidence
+    float from;      ///< m, from that place to where the free way begins
+    float bx, by;    ///< m, where it begins
+    bool hides;      ///< a return stands at its end
+    bool at_return;  ///< the end is the place of the return
+    std::uint32_t vertex = none;
+  };
+
+  void clear();
+  /// Adds the outline of a sweep. `passed_share`: share of the angle between a near return and a beam that
+  /// passes it, beside that beam, which counts as passed, too. `reach`: m, beyond all ranges of the output.
+  void add_sweep(std::size_t source, const BeamRays& rays, const PlacedScan& sweep, float passed_share,
+                 float reach);
+  /// Adds a polygon that is free inside: the vehicle.
+  void add_polygon(std::size_t source, const Footprint& polygon);
+
+  std::vector<float> x, y;  ///< of the vertices; m, output frame
+  std::vector<Edge> edges;
+
+ private:
+  /// A vertex on the outer side of a run, in the direction u of the scanner, and the edge to the next vertex.
+  struct Link {
+    std::uint32_t vertex;
+    float ux, uy;
+    float bx, by;  // m, begin of the beam
+    bool hides;
+    Edge::Near near;
+  };
+
+  std::uint32_t add_vertex(float at_x, float at_y);
+  Edge& add_edge(std::uint32_t from, std::uint32_t to, int free, int hidden);
+  void read_beams();
+  void place_beam(std::size_t i, Beam& beam) const;
+  /// Beam k, counted counter-clockwise and on beyond a full circle.
+  Beam& beam(std::size_t k) { return beams_[k < beams_.size() ? k : k - beams_.size()]; }
+  const Beam& beam(std::size_t k) const { return beams_[k < beams_.size() ? k : k - beams_.size()]; }
+  /// The scan's number of beam k.
+  std::size_t index(std::size_t k) const { return clockwise_ ? beams_.size() - 1 - k : k; }
+  bool joins(std::size_t a, std::size_t b) const;
+  bool closes_circle() const;
+  void add_run(std::size_t first, std::size_t end, bool closed);
+  std::uint32_t vertex_of(std::size_t k);
+  void add_end(std::size_t first, std::size_t end, bool begins);
+  void add_pair(std::size_t k);
+  void push(std::uint32_t vertex, const Beam& beam, bool hides, Edge::Near near = Edge::both);
+  void add_inner_side(std::size_t first, std::size_t end, bool closed);
+  void add_hidden(bool closed);
+  void add_far_side(std::size_t first, std::size_t last);
+  /// The index of the link between beams k and k + 1 in PlacedScan::linked.
+  std::size_t link_index(std::size_t k) const {
+    const std::size_t n = beams_.size();
+    if ((k + 1) % n == 0) return n - 1;  // linked to none
+    return clockwise_ ? index(k % n) - 1 : k % n;
+  }
+
+  // Of the sweep that is added.
+  const BeamRays* rays_ = nullptr;
+  const PlacedScan* sweep_ = nullptr;
+  std::uint16_t source_ = 0;
+  float passed_share_ = 0, reach_ = 0;
+  bool clockwise_ = false;
+  float before_ = 0, after_ = 0;  // rad, from the outer beams of a run to its ends
+  float at_x_ = 0, at_y_ = 0;  // m, the scanner at the output's instant
+  std::vector<Beam> beams_;
+  std::vector<Link> chain_;   // the outer side of the current run
+};
+
+}  // namespace lidard::outlines

@@ -1,0 +1,176 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "test/support/outline_visibility.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lidard::outlines {
+namespace {
+
+constexpr float infinite = std::numeric_limits<float>::infinity();
+// m; between outlines that touch, rounding leaves shorter stretches that are none.
+constexpr float rounding = 0.003F;
+
+}  // namespace
+
+OutlineVisibility::OutlineVisibility(const ScanGrid& grid, const VisibilitySettings& settings,
+                                     std::size_t sources)
+    : settings_(settings),
+      raster_(grid),
+      rays_(sources),
+      range_max_(static_cast<float>(grid.range_max)),
+      approach_(static_cast<float>(std::max(settings.approach, 5 * settings.noise))),
+      layers_(sources + 2),
+      states_(grid.beams, BeamState::unobserved),
+      covered_(grid.beams, 0),
+      body_at_(grid.beams, infinite) {
+  const double asked = settings_.free_required > 0 ? settings_.free_required : grid.range_max;
+  open_ = std::min(static_cast<float>(asked), range_max_);
+  nearest_.clear(grid.beams);
+  mixed_pixels_.clear(grid.beams);
+}
+
+void OutlineVisibility::set_footprint(const Footprint& footprint) { body_ = footprint.padded(Footprint::margin_m); }
+
+void OutlineVisibility::compute(const std::vector<const PlacedScan*>& sweeps) {
+  nearest_.clear(beams());
+  mixed_pixels_.clear(beams());
+  outlines_.clear();
+  for (std::size_t s = 0; s < sweeps.size(); ++s) {
+    if (sweeps[s] == nullptr) continue;
+    const BeamRays& rays = rays_[s];
+    // Beyond all ranges, as seen from every place that a scanner looks from.
+    const auto reach = static_cast<float>(4 * (raster_.grid().range_max + rays.pose.translation().norm()));
+    // An object ends at least a quarter of an output's beam before a beam that passes it.
+    const double passed = std::min(0.5, raster_.grid().increment / 4 / std::abs(rays.increment));
+    outlines_.add_sweep(s, rays, *sweeps[s], static_cast<float>(passed), reach);
+    raster_.draw(*sweeps[s], nearest_);
+    raster_.draw_mixed_pixels(*sweeps[s], mixed_pixels_);
+  }
+  outlines_.add_polygon(rays_.size(), body_);
+  if (former_from_now_)
+    outlines_.add_polygon(rays_.size() + 1, body_.transformed(former_from_now_->inverse()));
+  crossings_.find(outlines_, raster_);
+  for (std::size_t beam = 0; beam < beams(); ++beam) states_[beam] = decide(beam);
+}
+
+/// m from the return that hides what lies behind an edge to where the beam crosses the edge.
+float OutlineVisibility::behind(const Outlines::Edge& edge, std::size_t beam, float at) const {
+  if (edge.near == Outlines::Edge::both) return 0;
+  const std::uint32_t near = edge.near == Outlines::Edge::at_from ? edge.from : edge.to;
+  return std::hypot(at * raster_.cosine(beam) - outlines_.x[near], at * raster_.sine(beam) - outlines_.y[near]);
+}
+
+/// Outlines are closed, so the layers at the origin are those that the crossings lead out of.
+void OutlineVisibility::begin_walk(Walk& walk) {
+  for (Layers& layers : layers_) layers = {0, 0, infinite};
+  for (const Crossings::Crossing& crossing : crossings_.of(walk.beam)) {
+    const Outlines::Edge& edge = outlines_.edges[crossing.edge];
+    Layers& layers = layers_[edge.source];
+    layers.free += crossing.clockwise ? edge.free : -edge.free;
+    layers.hidden += crossing.clockwise ? edge.hidden : -edge.hidden;
+  }
+  for (std::size_t s = 0; s < layers_.size(); ++s) {
+    walk.free += layers_[s].free > 0 ? 1 : 0;
+    walk.hidden += layers_[s].hidden > 0 ? 1 : 0;
+  }
+}
+
+void OutlineVisibility::cross(Walk& walk, const Crossings::Crossing& crossing) {
+  const Outlines::Edge& edge = outlines_.edges[crossing.edge];
+  Layers& layers = layers_[edge.source];
+  const bool was_free = layers.free > 0, was_hidden = layers.hidden > 0, was_any = walk.is_free();
+  layers.free += crossing.clockwise ? -edge.free : edge.free;
+  layers.hidden += crossing.clockwise ? -edge.hidden : edge.hidden;
+  const bool is_free = layers.free > 0, is_hidden = layers.hidden > 0;
+  if (is_hidden && !was_hidden) layers.behind = behind(edge, walk.beam, crossing.at);
+  walk.hidden += is_hidden == was_hidden ? 0 : is_hidden ? 1 : -1;
+  if (is_free == was_free) return;
+  walk.free += is_free ? 1 : -1;
+  if (was_any && !walk.is_free()) walk.stretch = {crossing.at, infinite, infinite};
+  if (!was_any && walk.is_free()) end_unseen(walk, crossing.at);
+}
+
+/// A part of a stretch that no source sees.
+void OutlineVisibility::pass_unseen(Walk& walk, float from, float to) const {
+  if (walk.hidden == 0 || to - from <= rounding) return;
+  float nearest = infinite;
+  for (const Layers& layers : layers_) {
+    if (layers.hidden > 0) nearest = std::min(nearest, layers.behind);
+  }
+  walk.stretch.hidden_from = std::min(walk.stretch.hidden_from, from);
+  walk.stretch.behind = std::min(walk.stretch.behind, nearest);
+}
+
+void OutlineVisibility::end_unseen(Walk& walk, float to) {
+  const Unseen& stretch = walk.stretch;
+  if (to - stretch.from <= rounding) return;
+  bool accepted = false;
+  if (stretch.hidden_from == infinite) {
+    const float most =
+        std::max(static_cast<float>(settings_.gap), static_cast<float>(settings_.gap_share) * to);
+    walk.unseen += to - stretch.from;
+    accepted = walk.has_hit && to - stretch.from <= most && walk.unseen <= 2 * most;
+  } else if (stretch.behind <= static_cast<float>(settings_.gap)) {
+    body_at_[walk.beam] = std::min(body_at_[walk.beam], stretch.hidden_from);
+  }
+  if (accepted) return;
+  if (walk.covered) covered_[walk.beam] = stretch.from;
+  walk.covered = false;
+}
+
+BeamState OutlineVisibility::decide(std::size_t beam) {
+  Walk walk{beam, has_hit(beam), open_};
+  if (walk.has_hit) walk.end = nearest_.range[beam] - approach_;
+  body_at_[beam] = infinite;
+  covered_[beam] = std::max(walk.end, 0.0F);
+  begin_walk(walk);
+  float at = 0;
+  for (const Crossings::Crossing& crossing : crossings_.of(beam)) {
+    if (crossing.at >= walk.end || (!walk.covered && !walk.has_hit)) break;
+    if (!walk.is_free()) pass_unseen(walk, at, crossing.at);
+    cross(walk, crossing);
+    at = crossing.at;
+  }
+  if (!walk.is_free() && walk.end > 0 && walk.covered) {
+    pass_unseen(walk, at, walk.end);
+    end_unseen(walk, walk.end);
+  }
+  if (!walk.has_hit) return walk.covered ? BeamState::free : BeamState::unobserved;
+  if (!walk.covered) return BeamState::gap;
+  return walk.is_free() || walk.end <= 0 ? BeamState::hit : BeamState::behind;
+}
+
+void OutlineVisibility::encode(Profile profile, PlanarScan& scan, bool with_intensities) const {
+  raster_.grid().prepare(scan, with_intensities);
+  for (std::size_t beam = 0; beam < beams(); ++beam) {
+    float range = nearest_.range[beam];
+    float intensity = nearest_.intensity[beam];
+    bool hit = states_[beam] == BeamState::hit;
+    bool free = states_[beam] == BeamState::free;
+    if (profile == Profile::safety) {
+      if (mixed_pixels_.range[beam] < range) {
+        range = mixed_pixels_.range[beam];
+        intensity = mixed_pixels_.intensity[beam];
+      }
+      // The object may be the one that was hit, seen from its other side.
+      if (body_at_[beam] + static_cast<float>(settings_.gap) + approach_ < range) {
+        range = body_at_[beam];
+        intensity = 0;
+      }
+      hit = range <= scan.range_max;
+      free = free && !hit;
+    }
+    if (free) scan.set_without_hit(beam, BeamStatus::none);
+    if (!hit) continue;
+    if (range < scan.range_min) {
+      scan.set_without_hit(beam, BeamStatus::near);
+    } else {
+      scan.set_hit(beam, range);
+      if (with_intensities) scan.intensities[beam] = intensity;
+    }
+  }
+}
+
+}  // namespace lidard::outlines
