@@ -29,6 +29,7 @@ class Conditioner {
     sweep_.free_from.assign(n, 0);
     sweep_.free_to.assign(n, 0);
     sweep_.early_returns.clear();
+    sweep_.passes_vehicle.resize(n, 0);
     for (std::size_t beam = 0; beam < n; ++beam) read_beam(beam);
     link_neighbours(rays_, settings_.noise, sweep_);
     if (settings_.veil_filter && n > 2) mark_mixed_pixels(rays_, settings_.noise, sweep_);
@@ -40,6 +41,7 @@ class Conditioner {
     for (std::size_t beam = 0; beam < n; ++beam) {
       if (sweep_.kind[beam] != Return::nothing) drop_outside_band(beam);
     }
+    find_lone_returns();
   }
 
  private:
@@ -88,8 +90,7 @@ class Conditioner {
     }
     if (range > rays_.blocked_at[beam]) {
       ++sweep_.seen_through;
-      free_in_band(beam, rays_.blocked_at[beam]);
-      return;
+      sweep_.passes_vehicle[beam] = 1;
     }
     sweep_.kind[beam] = Return::surface;
     sweep_.range[beam] = range;
@@ -97,14 +98,14 @@ class Conditioner {
   }
 
   void accept_none(std::size_t beam) {
-    if (rays_.from_inside[beam] != 0) return;
-    free_in_band(beam, std::min(open_, rays_.blocked_at[beam]));
+    const bool passes = sweep_.passes_vehicle[beam] != 0;
+    if (rays_.from_inside[beam] != 0 && !passes) return;
+    free_in_band(beam, passes ? open_ : std::min(open_, rays_.blocked_at[beam]));
   }
 
-  /// True for a return that is neither the vehicle's nor seen through it.
+  /// True for a return that is not the vehicle's.
   bool counts(std::size_t beam, std::size_t i) const {
-    const float r = scan_.ranges[i];
-    return usable(i) && !std::isfinite(rays_.own_from(beam, r)) && r <= rays_.blocked_at[beam];
+    return usable(i) && !std::isfinite(rays_.own_from(beam, scan_.ranges[i]));
   }
 
   /// The way beyond an early echo is not free, although later echoes were measured through it.
@@ -141,6 +142,16 @@ class Conditioner {
     for (std::size_t i = 1; i + 1 < sweep_.kind.size(); ++i) {
       if (sweep_.kind[i] != Return::mixed_pixel) continue;
       free_in_band(i, std::min(sweep_.range[i - 1], sweep_.range[i + 1]));
+    }
+  }
+
+  void find_lone_returns() {
+    sweep_.lone_returns.clear();
+    for (std::size_t i = 1; i + 1 < sweep_.kind.size(); ++i) {
+      if (sweep_.kind[i] != Return::surface || sweep_.linked[i - 1] != 0 || sweep_.linked[i] != 0) continue;
+      const float to = sweep_.free_to[i];
+      const float beside = std::min(sweep_.free_to[i - 1], sweep_.free_to[i + 1]);
+      if (to > 0 && beside >= to + PlacedScan::lone_depth) sweep_.lone_returns.push_back(i);
     }
   }
 

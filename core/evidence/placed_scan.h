@@ -72,9 +72,16 @@ struct PlacedScan {
   std::vector<char> linked;      ///< Link: beams i and i + 1 lie on one surface
   std::vector<float> free_from;  ///< m level from the source; the beam is free from here
   std::vector<float> free_to;    ///< to here; 0: no evidence
+  /// Beams whose returns hide nothing wider than two spaces between beams (drops, dust, leaves): the beams on
+  /// both sides pass at least `lone_depth` beyond. Never the first or the last beam.
+  std::vector<std::size_t> lone_returns;
+  static constexpr float lone_depth = 0.5F;  ///< m
   std::vector<EarlyReturn> early_returns;
+  /// Once a return has come from beyond the vehicle's outline, the beam passes the vehicle. Clear it when the
+  /// scanner's rays change.
+  std::vector<char> passes_vehicle;
   std::uint64_t own_returns = 0;   ///< on the vehicle itself, since the start
-  std::uint64_t seen_through = 0;  ///< returns from behind the vehicle's body, since the start
+  std::uint64_t seen_through = 0;  ///< returns from beyond the vehicle's outline, since the start
   std::uint64_t mixed_pixels = 0;  ///< mixed pixels, since the start
 
   // The following members are in the output frame at the instant of the output.

@@ -53,6 +53,7 @@ bool Merger::add(std::size_t index, const PlanarScan& scan, const Pose& output_f
   if (source.rays_outdated || !source.rays.fits(scan, output_from_sensor)) {
     source.rays_outdated = false;
     source.rays.build(scan, output_from_sensor, footprint_, band_);
+    source.sweep.passes_vehicle.clear();
     if (visibility_) visibility_->set_source(index, source.rays);
   }
   if (settings_.points) place_points(scan, settings_of(index), source);

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/evidence/free_space_map.h"
+#include "core/evidence/visibility.h"
 #include "core/frames/scan_grid.h"
 #include "core/virtual/plane_view.h"
 
@@ -21,131 +21,109 @@ namespace lidard {
 ///    ==+========`x===       The plane is free there if h < 0: the beam goes on to E beneath.
 ///      |--- a ---| `-.E
 ///
-/// A beam proves the plane free only if the beam and its neighbours in the ring cross the plane before their
-/// returns: an object between two columns may extend to the column that misses it. The piece between two
-/// neighbouring beams of a column that both cross the plane counts as free, unless the lower beam hits an
-/// object that may reach the plane. Between a crossing beam and a next one that hits an object, the piece is
-/// free up to the object. The part nearer than the nearest crossing and the nearest object is blind: no beam
-/// can see it.
+/// The piece between two neighbouring beams of a column that both cross the plane counts as free, unless the
+/// lower beam hits an object that may reach the plane. Between a crossing beam and a next one that hits an
+/// object, the piece is free up to the object. The part nearer than the nearest crossing and the nearest
+/// object is blind: no beam can see it. Pieces of neighbouring columns that overlap are one outline.
+///
+/// A lone return (a drop, a leaf), with the beams beside it in its ring and in its column all going on far
+/// beyond, hides nothing: its beam counts as the nearer one of the two beside it in the ring.
 class CutEvidence {
  public:
-  /// Number of free pieces per direction: the nearest one, and one beyond an object.
-  static constexpr std::size_t pieces = 2;
-
-  /// Fills the maps with the evidence for the view's plane; `tops` belong to that plane. Free pieces end at
-  /// objects between the heights of `band` (returns from the ground excluded). `over`: ways over objects
-  /// whose tops lie between two beams and likely beneath the plane. A free piece that begins where the blind
-  /// part ends joins the blind part in `blind`: one map shows the whole way to a surface. The maps must be
-  /// set to the sensor's place.
-  void find(const PlaneView& view, const PlaneTops& tops, HeightBand band,
-            const std::array<FreeSpaceMap*, pieces>& free, FreeSpaceMap& blind, FreeSpaceMap& over);
+  /// Adds the outlines of a lidar's evidence for the view's plane; `tops` belong to that plane. Free pieces
+  /// end at objects between the heights of `band` (returns from the ground excluded).
+  void find(const PlaneView& view, const PlaneTops& tops, HeightBand band, std::size_t lidar,
+            Visibility& visibility);
 
  private:
-  /// `hides`: a return stands at `to`.
-  struct Piece {
-    float from = 0, to = -1;
-    bool hides = false;
-    bool exists() const { return to >= from; }
-    bool is_shorter(const Piece& other) const { return to < other.to || (to == other.to && hides); }
-  };
-  struct Cell {
-    std::array<Piece, pieces> free{};
-    Piece blind{}, over{};
-  };
-  /// A range of cells, offset by a turn so that no index is negative.
-  struct Cells {
-    std::size_t first = 1, last = 0;
-  };
-  /// How a beam relates to the plane. `meets`: the beam crosses the plane, and it or a neighbour in the ring
-  /// hits an object beyond.
-  enum Mark : std::uint8_t { known = 1, crosses = 2, meets = 4 };
+  using OutlineBeam = Outlines::Beam;
+  /// How a beam relates to the plane. `meets`: the beam crosses the plane and hits an object beyond.
+  enum Mark : std::uint8_t { known = 1, crosses = 2, meets = 4, lone = 8 };
   /// A beam in the plane; `at` is a of the drawing: m, level in the plane, where it crosses the plane or
   /// would cross it.
   struct Ray {
     std::size_t beam;
     float at;
   };
-  /// A piece between neighbouring beams: the nearest one, and the one in whose direction the piece lies.
-  struct Wedge {
-    Piece piece;
-    std::uint32_t first, along;  // RingGrid::index()
-  };
-  /// Where an object that neighbouring beams hit ends the view of a beam.
+  /// Where the view of a beam ends.
   struct End {
     float at;  // m, level in the plane; infinite: nowhere
     bool hides;
   };
+  /// A piece of a column's way through the plane.
+  struct Piece {
+    OutlineBeam way;
+    std::size_t last;   // the beam that ends it, RingGrid::index()
+    std::size_t first;  // ring of the beam that begins it
+  };
+  /// Pieces of neighbouring columns with one outline.
+  struct Strip {
+    std::vector<OutlineBeam> beams;
+    Piece newest{}, next{};  // of the column before, and of the current one
+    Outlines::Side begin = Outlines::Side::open;
+    bool goes_on = false;     // in the current column
+    bool has_branch = false;  // to it
+  };
+  struct Strips {
+    std::vector<Piece> column;  // the pieces of the current column
+    std::vector<Strip> open;    // the first `count` of them
+    std::size_t count = 0;
+  };
 
   void mark_beams();
-  /// Marks `count` beams whose neighbours in the ring, `before` and `after`, have the same marks.
-  static void mark_agreed(const std::uint8_t* own, const std::uint8_t* before, const std::uint8_t* after,
-                          std::uint8_t* marks, std::size_t count);
+  void find_lone_returns();
+  std::size_t shown_by(std::size_t i) const;
   Ray ray(std::size_t i) const;
   /// m, e of the drawing.
-  float end_of(std::size_t i) const { return view_->reaches()[i]; }
-  void add(const Ray& first, const Ray& seen_along, End end);
-  void add_blind(std::size_t lowest);
-  /// A beam and its two neighbours in the ring.
-  std::array<std::size_t, 3> abreast(std::size_t i) const;
-  bool on_one_surface(std::size_t i, std::size_t beside) const;
-  /// The nearest end of those beams abreast of `i` that do not cross the plane.
-  End end_abreast(std::size_t i) const;
-  /// The nearest object that one of three crossing beams hits and that may reach the plane under the next
-  /// beams of their columns.
-  End thing_abreast(std::size_t last) const;
+  float end_of(std::size_t i) const { return view_->reaches()[shown_by(i)]; }
+  float above(std::size_t i) const { return view_->above(shown_by(i)); }
   /// The k-th beam of a column, in order away from the sensor's foot.
   std::size_t beam(std::size_t base, std::size_t k) const {
     return base + nearest_ring_ + static_cast<std::size_t>(step_) * k;
   }
-  void find_wedges(std::size_t column);
-  void end_wedge(const Ray& first, std::size_t last, std::size_t next, End thing);
-  bool is_hidden(std::size_t before, std::size_t upper) const;
-  /// Claims the wedges found so far.
-  void claim_wedges();
-  void end_at_things();
-  /// Calls use(cell, piece) for all cells of non-tilted wedges.
-  template <class Use>
-  void each_cell(const std::vector<Wedge>& wedges, Use use);
-  void claim_tilted(const Piece& piece, float begin, float azimuth);
-  void find_azimuths(const std::vector<Wedge>& wedges, std::uint32_t Wedge::*beam,
-                     std::vector<float>& azimuths);
-  Cells cells_at(float azimuth) const;
+  bool find_column(std::size_t column);
+  void end_piece(const Ray& first, std::size_t last, std::size_t next, End thing);
+  End end_at(std::size_t i) const;
+  End thing_at(std::size_t last, std::size_t next) const;
+  void add(Visibility::Kind kind, float from, const Ray& first, std::size_t along, End end);
+  void add_blind(std::size_t lowest);
   float wall_in_band(std::size_t column) const;
   float whole_band_from(std::size_t column) const;
-  void claim(Cells cells, const Piece& piece);
-  void claim(Cell& cell, const Piece& piece) const;
-  Cell& cell(std::size_t counted) {
-    const std::size_t turn = cells_.size();
-    return cells_[counted >= 2 * turn ? counted - 2 * turn : counted >= turn ? counted - turn : counted];
-  }
-  void fill_holes();
 
-  std::vector<Cell> cells_;
-  std::vector<std::uint8_t> own_marks_;  // by RingGrid::index(), of the beam alone
-  std::vector<std::uint8_t> marks_;      // of the beam and its neighbours in the ring
-  float width_ = 1;                      // of a column, in cells
-  std::vector<Wedge> free_;              // the free pieces,
-  std::vector<Wedge> blinds_;            // what no beam of a column sees,
-  std::vector<Wedge> overs_;             // and ways over objects that are likely lower than the plane
-  std::vector<Wedge> things_;            // where free pieces end at objects, while the vehicle drove
-  std::vector<float> x_, y_, azimuths_;  // of the wedges; cells from -pi
-  std::vector<float> begins_;            // azimuths of the wedges' first beams, for a tilted plane
-  std::size_t rings_ = 0;
-  const BeamEnd* ends_ = nullptr;
-  std::array<float, 6> axes_{};  // of the frame's x and y in the cloud's frame
-  Piece blind_{};                // of the next wedge
-  float farthest_ = 0;           // m, nearest object in the band, of the current column
-  float looked_from_ = 0;        // m, whole_band_from() of the current column
+  void join_column(Visibility::Kind kind);
+  bool are_joined(const Piece& a, const Piece& b, Visibility::Kind kind) const;
+  bool is_straight(const Piece& a, const Piece& b, Visibility::Kind kind) const;
+  void begin_strip(Strips& strips, const Piece& piece, Outlines::Side begin) const;
+  void end_strips(Visibility::Kind kind);
+  void close_circle();
+  void add_strip(Visibility::Kind kind, std::vector<OutlineBeam>& beams, Outlines::Side begin,
+                 Outlines::Side end);
+
+  // Of the current call of find().
   const PlaneView* view_ = nullptr;
   const PlaneTops* tops_ = nullptr;
-  float sensor_ = 0;  // m, distance from the plane
-  float sign_ = 1;
-  float corner_ = 0;  // share of the range by which an object may extend towards the sensor beside its return
+  Visibility* visibility_ = nullptr;
+  std::size_t lidar_ = 0;
+  HeightBand band_;
+  std::size_t rings_ = 0;
+  Raster::Point at_{};            // m, the sensor in the frame
+  float sensor_ = 0;              // m, distance from the plane
+  float sign_ = 1;                // -1: the sensor is beneath the plane
   std::ptrdiff_t step_ = 1;       // from a beam to the next one away from the sensor's foot
   std::size_t nearest_ring_ = 0;  // to the sensor's foot
-  HeightBand band_;
-  float per_rad_ = 1;  // cells
-  bool tilted_ = false;
+  bool tilted_ = false;           // the beams of a column have different directions in the plane
+  std::vector<std::uint8_t> marks_;      // by RingGrid::index()
+  struct Lone {
+    std::size_t beam, shown_by;
+  };
+  std::vector<Lone> lone_;               // by beam
+  // Of the current column.
+  float farthest_ = 0;     // m, nearest object in the band
+  float looked_from_ = 0;  // m, whole_band_from()
+
+  std::array<Strips, Visibility::kinds> strips_;
+  Outlines::Side side_ = Outlines::Side::open;  // of strips that begin in the current column
+  std::vector<OutlineBeam> pair_;
 };
 
 }  // namespace lidard

@@ -8,13 +8,6 @@
 namespace lidard {
 namespace {
 
-// Sources of a frame's Visibility, for each lidar: the evidence's free pieces, what is blind, ways over low
-// things.
-constexpr std::size_t blind_source = CutEvidence::pieces;
-constexpr std::size_t over_source = blind_source + 1;
-constexpr std::size_t sources_of_lidar = over_source + 1;
-// Columns whose width changed by less (share) still fit the tables.
-constexpr double width_slack = 0.05;
 // A band that reaches into the ground is observed from so much above the ground on, m.
 constexpr double above_ground = 0.02;
 
@@ -25,24 +18,20 @@ Eigen::Vector3d place_of(const Point& p) {
 
 }  // namespace
 
-Virtualizer::Frame::Frame(const ScanGrid& grid, const VisibilitySettings& how, std::size_t lidars)
-    : visibility(grid, how, sources_of_lidar * lidars), places(lidars) {
-  visibility.set_places(lidars, CutEvidence::pieces * lidars);
-}
-
 Virtualizer::Virtualizer(const ScanGrid& grid, HeightBand band, std::size_t frames,
                          const VirtualSettings& settings, std::size_t lidars)
     : settings_(settings), band_(band), flattener_(grid, band) {
   for (std::size_t i = 0; i < lidars; ++i) lidars_.push_back(std::make_unique<Lidar>(settings.beams));
   if (!settings.visibility) return;
   for (std::size_t i = 0; i < frames; ++i)
-    frames_.push_back(std::make_unique<Frame>(grid, settings.how, lidars));
+    frames_.push_back(std::make_unique<Frame>(Frame{Visibility(grid, settings.how, lidars)}));
 }
 
 void Virtualizer::set_footprint(const Footprint& footprint) {
   footprint_ = footprint;
   own_ = footprint.padded(Footprint::margin_m);
   for (const auto& lidar : lidars_) lidar->is_placed = false;
+  for (const auto& frame : frames_) frame->has_footprint = false;
 }
 
 const char* Virtualizer::why_no_surfaces() const {
@@ -64,7 +53,6 @@ void Virtualizer::place_cloud(std::size_t index, const Pose& vehicle_from_cloud)
   if (lidar.is_placed && lidar.placed.vehicle_from_cloud.matrix() == vehicle_from_cloud.matrix()) return;
   lidar.is_placed = true;
   lidar.grid.set_footprint(own_, vehicle_from_cloud);
-  for (auto& frame : frames_) frame->places[index].placed = false;
 }
 
 void Virtualizer::set_clouds(const std::vector<PlacedCloud>& clouds) {
@@ -129,23 +117,11 @@ void Virtualizer::flatten(const Pose* virtual_from_cloud, PlanarScan& scan) {
   flattener_.end();
 }
 
-void Virtualizer::place(Frame& frame, std::size_t index, const Pose& virtual_from_cloud) const {
-  const Lidar& lidar = *lidars_[index];
-  Place& place = frame.places[index];
-  const double step = lidar.organised ? lidar.grid.step() : place.step;
-  const bool same = place.placed && place.pose.matrix() == virtual_from_cloud.matrix() &&
-                    std::abs(step - place.step) <= width_slack * place.step;
-  if (same) return;
-  place = {virtual_from_cloud, step, true};
-  const Pose vehicle = virtual_from_cloud * lidar.placed.vehicle_from_cloud.inverse();
-  frame.visibility.set_footprint(footprint_.transformed(vehicle));
-  // Points alone prove nothing.
-  if (!lidar.organised && lidars_.size() > 1) {
-    place.placed = false;
-    return;
-  }
-  const Eigen::Vector3d at = virtual_from_cloud.translation();
-  frame.visibility.set_place(index, static_cast<float>(at.x()), static_cast<float>(at.y()), step);
+void Virtualizer::place_footprint(Frame& frame, const Pose& virtual_from_vehicle) const {
+  if (frame.has_footprint && frame.virtual_from_vehicle.matrix() == virtual_from_vehicle.matrix()) return;
+  frame.has_footprint = true;
+  frame.virtual_from_vehicle = virtual_from_vehicle;
+  frame.visibility.set_footprint(footprint_.transformed(virtual_from_vehicle));
 }
 
 /// The plane on which a frame's beams must be free: of a band the limit that is farther from the sensor,
@@ -177,9 +153,6 @@ void Virtualizer::splat_points(const Lidar& lidar, Visibility& visibility,
 }
 
 void Virtualizer::look(Frame& frame, const Pose* virtual_from_cloud) {
-  for (std::size_t i = 0; i < lidars_.size(); ++i) {
-    if (lidars_[i]->placed.cloud != nullptr) place(frame, i, virtual_from_cloud[i]);
-  }
   frame.visibility.begin();
   for (std::size_t i = 0; i < lidars_.size(); ++i) {
     if (lidars_[i]->placed.cloud != nullptr) look(frame, i, virtual_from_cloud[i]);
@@ -191,6 +164,7 @@ void Virtualizer::look(Frame& frame, const Pose* virtual_from_cloud) {
 void Virtualizer::look(Frame& frame, std::size_t index, const Pose& virtual_from_cloud) {
   Lidar& lidar = *lidars_[index];
   Visibility& visibility = frame.visibility;
+  place_footprint(frame, virtual_from_cloud * lidar.placed.vehicle_from_cloud.inverse());
   splat_points(lidar, visibility, virtual_from_cloud);
   if (!lidar.organised) return;
   lidar.view.set_frame(virtual_from_cloud);
@@ -199,11 +173,7 @@ void Virtualizer::look(Frame& frame, std::size_t index, const Pose& virtual_from
     cut_band(lidar, visibility, evidence_level(lidar, virtual_from_cloud));
   else
     cut_slice(lidar, visibility, 0);
-  const auto map = [&](std::size_t kind) -> FreeSpaceMap& {
-    return visibility.free_space(kind * lidars_.size() + index);
-  };
-  evidence_.find(lidar.view, tops_, band ? band_ : HeightBand{0, 0}, {&map(0), &map(1)}, map(blind_source),
-                 map(over_source));
+  evidence_.find(lidar.view, tops_, band ? band_ : HeightBand{0, 0}, index, visibility);
 }
 
 void Virtualizer::cut_slice(Lidar& lidar, Visibility& visibility, double level) {

@@ -65,16 +65,10 @@ class Virtualizer {
   const Visibility& visibility(std::size_t frame) const { return frames_[frame]->visibility; }
 
  private:
-  /// Where a lidar was when the tables of a frame were made.
-  struct Place {
-    Pose pose = Pose::Identity();  // virtual_from_cloud
-    double step = 0;               // rad between columns
-    bool placed = false;
-  };
   struct Frame {
-    Frame(const ScanGrid& grid, const VisibilitySettings& how, std::size_t lidars);
     Visibility visibility;
-    std::vector<Place> places;  // by lidar
+    Pose virtual_from_vehicle = Pose::Identity();
+    bool has_footprint = false;  // at that pose
   };
   struct Lidar {
     explicit Lidar(const RingGridSettings& beams) : grid(beams) {}
@@ -95,7 +89,7 @@ class Virtualizer {
   void look(Frame& frame, std::size_t lidar, const Pose& virtual_from_cloud);
   void cut_slice(Lidar& lidar, Visibility& visibility, double level);
   void cut_band(Lidar& lidar, Visibility& visibility, float evidence_level);
-  void place(Frame& frame, std::size_t lidar, const Pose& virtual_from_cloud) const;
+  void place_footprint(Frame& frame, const Pose& virtual_from_vehicle) const;
   void splat_points(const Lidar& lidar, Visibility& visibility, const Pose& virtual_from_cloud) const;
   float evidence_level(const Lidar& lidar, const Pose& virtual_from_cloud) const;
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "test/support/outline_crossings.h"
+#include "core/evidence/crossings.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include "core/base/bytes.h"
 #include "core/base/clones.h"
 
-namespace lidard::outlines {
+namespace lidard {
 namespace {
 
 // m; an edge that extends less across a beam lies along it.
@@ -96,4 +96,4 @@ void Crossings::sort(std::size_t beams) {
   }
 }
 
-}  // namespace lidard::outlines
+}  // namespace lidard

@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "test/support/outline.h"
+#include "core/evidence/outline.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace lidard::outlines {
+namespace lidard {
 namespace {
 
 // Beams farther apart than this (sine) are not neighbours; a scan plane that stands nearly upright has such
@@ -46,22 +46,23 @@ void Outlines::add_polygon(std::size_t source, const Footprint& polygon) {
   for (std::uint32_t i = 0; i < count; ++i) add_edge(first + i, first + (i + 1) % count, -1, 0);
 }
 
-void Outlines::add_sweep(std::size_t source, const BeamRays& rays, const PlacedScan& sweep,
-                         float passed_share, float reach) {
-  rays_ = &rays;
-  sweep_ = &sweep;
+void Outlines::set_source(std::size_t source, float passed_share, float reach) {
   source_ = static_cast<std::uint16_t>(source);
-  before_ = after_ = static_cast<float>(std::fabs(rays.increment) / 2);
   passed_share_ = passed_share;
   reach_ = reach;
-  read_beams();
+}
+
+void Outlines::add_sweep(const BeamRays& rays, const PlacedScan& sweep) {
+  step_ = static_cast<float>(std::fabs(rays.increment));
+  moved_ = sweep.moved;
+  read_beams(rays, sweep);
   const std::size_t n = beams_.size();
   const bool closes = closes_circle();
   // A full circle is read from a break on.
   std::size_t start = 0;
   if (closes) {
     while (start < n && joins(start, start + 1)) ++start;
-    if (start == n) return add_run(0, n, true);
+    if (start == n) return add_run(0, n, true, 0, 0);
     ++start;
   }
   for (std::size_t k = start; k < start + n;) {
@@ -71,40 +72,74 @@ void Outlines::add_sweep(std::size_t source, const BeamRays& rays, const PlacedS
     }
     std::size_t end = k + 1;
     while (end < start + n && (end % n != 0 || closes) && joins(end - 1, end)) ++end;
-    add_run(k, end, false);
+    add_run(k, end, false, 0.5F, 0.5F);
     k = end;
   }
 }
 
-void Outlines::read_beams() {
-  const std::size_t n = sweep_->kind.size();
-  at_x_ = static_cast<float>(rays_->pose.translation().x());
-  at_y_ = static_cast<float>(rays_->pose.translation().y());
-  clockwise_ = (rays_->increment < 0) != (rays_->pose.linear()(2, 2) < 0);
-  beams_.resize(n);
-  for (std::size_t k = 0; k < n; ++k) place_beam(index(k), beams_[k]);
+void Outlines::add_strip(std::vector<Beam>& beams, float step, Side begin, Side end) {
+  step_ = step;
+  moved_ = true;
+  for (Beam& beam : beams) beam.length = std::min(beam.length, reach_), beam.vertex = none;
+  beams_.swap(beams);
+  add_run(0, beams_.size(), false, begin == Side::open ? passed_share_ : 0, end == Side::open ? passed_share_ : 0);
+  beams_.swap(beams);
 }
 
-void Outlines::place_beam(std::size_t i, Beam& b) const {
-  b.length = std::min(sweep_->free_to[i], reach_);
-  b.from = sweep_->free_from[i];
-  b.hides = sweep_->kind[i] != Return::nothing;
+void Outlines::read_beams(const BeamRays& rays, const PlacedScan& sweep) {
+  const std::size_t n = sweep.kind.size();
+  const bool clockwise = (rays.increment < 0) != (rays.pose.linear()(2, 2) < 0);
+  beams_.resize(n);
+  for (std::size_t k = 0; k < n; ++k) {
+    const std::size_t i = clockwise ? n - 1 - k : k;
+    place_beam(rays, sweep, i, reach_, beams_[k]);
+    // The last beam is linked to none.
+    const bool last = k + 1 == n;
+    beams_[k].to_next = !last && sweep.linked[clockwise ? i - 1 : i] == PlacedScan::linked_surely;
+  }
+  for (const std::size_t i : sweep.lone_returns) pass_lone_return(sweep, i, clockwise ? n - 1 - i : i);
+}
+
+void Outlines::place_beam(const BeamRays& rays, const PlacedScan& sweep, std::size_t i, float reach, Beam& b) {
+  const auto at_x = static_cast<float>(rays.pose.translation().x()), at_y = static_cast<float>(rays.pose.translation().y());
+  b.length = std::min(sweep.free_to[i], reach);
+  b.from = sweep.free_from[i];
+  b.hides = sweep.kind[i] != Return::nothing;
   b.vertex = none;
-  if (sweep_->moved) {
-    b.ox = at_x_ + sweep_->origin_x[i], b.oy = at_y_ + sweep_->origin_y[i];
-    b.x = at_x_ + sweep_->free_x[i], b.y = at_y_ + sweep_->free_y[i];
-    const float per_m = b.length > 0 ? 1 / b.length : 0;
+  if (sweep.moved) {
+    b.ox = at_x + sweep.origin_x[i], b.oy = at_y + sweep.origin_y[i];
+    b.x = at_x + sweep.free_x[i], b.y = at_y + sweep.free_y[i];
+    const float per_m = sweep.free_to[i] > 0 ? 1 / sweep.free_to[i] : 0;
     b.ux = (b.x - b.ox) * per_m, b.uy = (b.y - b.oy) * per_m;
+    if (b.length < sweep.free_to[i]) b.x = b.ox + b.ux * b.length, b.y = b.oy + b.uy * b.length;
   } else {
-    const float per_m = 1 / rays_->level[i];
-    b.ox = at_x_, b.oy = at_y_;
-    b.ux = rays_->x[i] * per_m, b.uy = rays_->y[i] * per_m;
-    b.x = at_x_ + b.ux * b.length, b.y = at_y_ + b.uy * b.length;
+    const float per_m = 1 / rays.level[i];
+    b.ox = at_x, b.oy = at_y;
+    b.ux = rays.x[i] * per_m, b.uy = rays.y[i] * per_m;
+    b.x = at_x + b.ux * b.length, b.y = at_y + b.uy * b.length;
   }
   b.bx = b.ox + b.ux * b.from, b.by = b.oy + b.uy * b.from;
-  b.at_return =
-      b.hides && std::fabs(b.length - sweep_->range[i] * rays_->level[i]) < same_length * b.length;
-  if (b.at_return) b.x = sweep_->x[i], b.y = sweep_->y[i];
+  // A linked return is drawn where its surface is.
+  const bool at_return =
+      b.hides && std::fabs(b.length - sweep.range[i] * rays.level[i]) < same_length * b.length;
+  if (at_return) b.x = sweep.x[i], b.y = sweep.y[i];
+}
+
+/// Adds the free space behind a return that one beam alone met: what it hides is no wider than the space
+/// between the beams beside it.
+void Outlines::pass_lone_return(const PlacedScan& sweep, std::size_t i, std::size_t k) {
+  const Beam &a = beams_[k - 1], &b = beams_[k], &c = beams_[k + 1];
+  const float from = b.length + PlacedScan::lone_depth, to = std::min(a.length, c.length);
+  if (sweep.kind[i] == Return::nothing || !(to > from) || !(b.length > 0)) return;
+  // A little more than what the return owns, so that nothing is left out in between.
+  const float share = 1.01F * (1 - passed_share_);
+  const float rx = b.ux + share * (a.ux - b.ux), ry = b.uy + share * (a.uy - b.uy);
+  const float lx = b.ux + share * (c.ux - b.ux), ly = b.uy + share * (c.uy - b.uy);
+  const std::uint32_t first = add_vertex(b.ox + rx * from, b.oy + ry * from);
+  add_vertex(b.ox + rx * to, b.oy + ry * to);
+  add_vertex(b.ox + lx * to, b.oy + ly * to);
+  add_vertex(b.ox + lx * from, b.oy + ly * from);
+  for (std::uint32_t side = 0; side < 4; ++side) add_edge(first + side, first + (side + 1) % 4, -1, 0);
 }
 
 bool Outlines::joins(std::size_t a, std::size_t b) const {
@@ -117,7 +152,7 @@ bool Outlines::joins(std::size_t a, std::size_t b) const {
 /// whole sweep lies between them.
 bool Outlines::closes_circle() const {
   const std::size_t n = beams_.size();
-  if (n < 3 || sweep_->moved) return false;
+  if (n < 3 || moved_) return false;
   const auto turn = [this](std::size_t a, std::size_t b) {
     return beam(a).ux * beam(b).uy - beam(a).uy * beam(b).ux;
   };
@@ -127,13 +162,16 @@ bool Outlines::closes_circle() const {
 }
 
 /// Adds the outline of beams [first, end), neighbours all; `closed`: they are the full circle.
-void Outlines::add_run(std::size_t first, std::size_t end, bool closed) {
+/// `begin_share`, `end_share`: of a step, by which the run extends beyond its first and last beam.
+void Outlines::add_run(std::size_t first, std::size_t end, bool closed, float begin_share, float end_share) {
   chain_.clear();
   const std::size_t pairs = closed ? end : end - 1;
-  if (!closed) add_end(first, end, true);
+  if (begin_share > 0) add_end(first, end, true, begin_share);
   for (std::size_t k = first; k < pairs; ++k) add_pair(k);
-  if (!closed) add_end(first, end, false);
+  if (!closed) push(vertex_of(end - 1), beam(end - 1), end_share > 0 && beam(end - 1).hides);
+  if (end_share > 0) add_end(first, end, false, end_share);
   const std::size_t links = chain_.size();
+  if (links < 2) return;
   for (std::size_t i = 0; i + (closed ? 0 : 1) < links; ++i) {
     Edge& edge =
         add_edge(chain_[i].vertex, chain_[(i + 1) % links].vertex, -1, chain_[i].hides ? 1 : 0);
@@ -149,26 +187,20 @@ std::uint32_t Outlines::vertex_of(std::size_t k) {
   return b.vertex;
 }
 
-/// Between the first or last beam of a run and its unseen side: half a step more at the beam's distance.
-void Outlines::add_end(std::size_t first, std::size_t end, bool begins) {
-  const std::size_t k = begins ? first : end - 1;
-  const Beam b = beam(k);
-  const float aside = begins ? before_ : after_;
-  float tx = -b.uy * aside, ty = b.ux * aside;
+/// Extends the run beyond its first or last beam at the beam's distance.
+void Outlines::add_end(std::size_t first, std::size_t end, bool begins, float share) {
+  const Beam b = beam(begins ? first : end - 1);
+  float tx = -b.uy * step_ * share, ty = b.ux * step_ * share;
   if (end - first > 1) {
     const Beam& before = beam(begins ? first : end - 2);
     const Beam& after = beam(begins ? first + 1 : end - 1);
-    tx = (after.ux - before.ux) / 2, ty = (after.uy - before.uy) / 2;
+    tx = (after.ux - before.ux) * share, ty = (after.uy - before.uy) * share;
   }
   Beam edge = b;
   if (begins) tx = -tx, ty = -ty;
   edge.ux += tx, edge.uy += ty;
   edge.bx += tx * b.from, edge.by += ty * b.from;
-  const std::uint32_t vertex = add_vertex(b.x + tx * b.length, b.y + ty * b.length);
-  if (begins)
-    push(vertex, edge, b.hides);
-  else
-    push(vertex_of(k), b, b.hides), push(vertex, edge, false);
+  push(add_vertex(b.x + tx * b.length, b.y + ty * b.length), edge, begins && b.hides);
 }
 
 void Outlines::push(std::uint32_t vertex, const Beam& beam, bool hides, Edge::Near near) {
@@ -181,7 +213,7 @@ void Outlines::add_pair(std::size_t k) {
   const Beam a = beam(k), b = beam(k + 1);
   const bool nearer = a.length <= b.length;
   const bool hides = nearer ? a.hides : b.hides;
-  if (sweep_->linked[link_index(k)] == PlacedScan::linked_surely) return push(vertex, a, true);
+  if (a.to_next) return push(vertex, a, a.hides || b.hides);
   push(vertex, a, a.hides);
   if (!hides && std::fabs(a.length - b.length) <= same_length) return;
   const float passed = hides ? passed_share_ : 0.5F;
@@ -201,7 +233,7 @@ void Outlines::add_inner_side(std::size_t first, std::size_t end, bool closed) {
   bool begins_later = false;  // nearer than somewhere nobody looked
   for (std::size_t k = first; k < end; ++k) begins_later = begins_later || beam(k).from > 0;
   if (closed && !begins_later) return;
-  const std::size_t stride = begins_later ? 1 : sweep_->moved ? path_stride : end - first;
+  const std::size_t stride = begins_later ? 1 : moved_ ? path_stride : end - first;
   const std::uint32_t start =
       closed ? add_vertex(beam(end - 1).bx, beam(end - 1).by) : chain_.back().vertex;
   std::uint32_t at = start;
@@ -210,7 +242,8 @@ void Outlines::add_inner_side(std::size_t first, std::size_t end, bool closed) {
     at = vertex;
   };
   if (!closed) lead_to(add_vertex(chain_.back().bx, chain_.back().by));
-  for (std::size_t k = end - 1; k > first + stride; k -= stride) lead_to(add_vertex(beam(k - stride).bx, beam(k - stride).by));
+  for (std::size_t k = end - 1; k > first + stride; k -= stride)
+    lead_to(add_vertex(beam(k - stride).bx, beam(k - stride).by));
   if (closed || stride < end - first) lead_to(add_vertex(beam(first).bx, beam(first).by));
   if (closed) return lead_to(start);
   if (begins_later) lead_to(add_vertex(chain_.front().bx, chain_.front().by));
@@ -258,4 +291,4 @@ void Outlines::add_far_side(std::size_t first, std::size_t last) {
   add_edge(vertex, at(last).vertex, 0, -1).near = Edge::at_to;
 }
 
-}  // namespace lidard::outlines
+}  // namespace lidard

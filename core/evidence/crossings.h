@@ -6,10 +6,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "test/support/outline.h"
+#include "core/evidence/outline.h"
 #include "core/evidence/raster.h"
 
-namespace lidard::outlines {
+namespace lidard {
 
 /// Where the beams of an output cross the edges of outlines.
 ///
@@ -56,4 +56,4 @@ class Crossings {
   std::vector<Crossing> sorted_;
 };
 
-}  // namespace lidard::outlines
+}  // namespace lidard

@@ -8,7 +8,7 @@
 
 #include "core/evidence/placed_scan.h"
 
-namespace lidard::outlines {
+namespace lidard {
 
 /// The outlines of what several sources see to be free, as lists of vertices and directed edges in the
 /// output's plane.
@@ -23,6 +23,9 @@ namespace lidard::outlines {
 /// What a return hides is a region, too: it reaches from the hiding edges of the outline outward to beyond
 /// all ranges. Where hiding edges follow open ones, a border leads outward from the vertex between them.
 /// Borders and far ends bound hidden space alone.
+///
+/// Between two neighbouring beams whose returns are not on one surface, the nearer return owns all of the
+/// angle but the share `passed_share` beside the farther beam.
 class Outlines {
  public:
   /// How the space on the two sides of an edge differs. A beam that crosses an edge counter-clockwise as seen
@@ -39,22 +42,28 @@ class Outlines {
   static constexpr std::uint32_t none = 0xFFFFFFFF;
   /// A beam, or a part of one, that is free from its begin to its end.
   struct Beam {
-    float x, y;      ///< m, end of the free way
-    float ox, oy;    ///< m, the place from which the source looks
-    float ux, uy;    ///< direction, 1 m
-    float length;    ///< m, from that place to the end; 0: no evidence
-    float from;      ///< m, from that place to where the free way begins
-    float bx, by;    ///< m, where it begins
-    bool hides;      ///< a return stands at its end
-    bool at_return;  ///< the end is the place of the return
+    float x = 0, y = 0;      ///< m, end of the free way
+    float ox = 0, oy = 0;    ///< m, the position from which the source looks
+    float ux = 0, uy = 0;    ///< direction, 1 m
+    float length = 0;        ///< m, from that position to the end; 0: no evidence
+    float from = 0;          ///< m, from that position to where the free way begins
+    float bx = 0, by = 0;    ///< m, where it begins
+    bool hides = false;      ///< a return stands at its end
+    bool to_next = false;    ///< the free space reaches straight from this end to that of the next beam
     std::uint32_t vertex = none;
   };
+  /// What the first or last beam of a strip borders on.
+  enum class Side : std::uint8_t { open, joined };
 
   void clear();
-  /// Adds the outline of a sweep. `passed_share`: share of the angle between a near return and a beam that
-  /// passes it, beside that beam, which counts as passed, too. `reach`: m, beyond all ranges of the output.
-  void add_sweep(std::size_t source, const BeamRays& rays, const PlacedScan& sweep, float passed_share,
-                 float reach);
+  /// Sets the share of the angle between a near return and a beam that passes it which counts as passed, and
+  /// m beyond all ranges of the output as seen from every source.
+  void set_source(std::size_t source, float passed_share, float reach);
+  /// Adds the outline of a sweep.
+  void add_sweep(const BeamRays& rays, const PlacedScan& sweep);
+  /// Adds the outline of beams in counter-clockwise order, neighbours all. An `open` side extends by the
+  /// passed share of a step, a `joined` one ends in the beam. Sets their `vertex`.
+  void add_strip(std::vector<Beam>& beams, float step, Side begin, Side end);
   /// Adds a polygon that is free inside: the vehicle.
   void add_polygon(std::size_t source, const Footprint& polygon);
 
@@ -73,40 +82,30 @@ class Outlines {
 
   std::uint32_t add_vertex(float at_x, float at_y);
   Edge& add_edge(std::uint32_t from, std::uint32_t to, int free, int hidden);
-  void read_beams();
-  void place_beam(std::size_t i, Beam& beam) const;
+  void read_beams(const BeamRays& rays, const PlacedScan& sweep);
+  static void place_beam(const BeamRays& rays, const PlacedScan& sweep, std::size_t i, float reach, Beam& beam);
   /// Beam k, counted counter-clockwise and on beyond a full circle.
   Beam& beam(std::size_t k) { return beams_[k < beams_.size() ? k : k - beams_.size()]; }
   const Beam& beam(std::size_t k) const { return beams_[k < beams_.size() ? k : k - beams_.size()]; }
-  /// The scan's number of beam k.
-  std::size_t index(std::size_t k) const { return clockwise_ ? beams_.size() - 1 - k : k; }
   bool joins(std::size_t a, std::size_t b) const;
   bool closes_circle() const;
-  void add_run(std::size_t first, std::size_t end, bool closed);
+  void add_run(std::size_t first, std::size_t end, bool closed, float begin_share, float end_share);
   std::uint32_t vertex_of(std::size_t k);
-  void add_end(std::size_t first, std::size_t end, bool begins);
+  void add_end(std::size_t first, std::size_t end, bool begins, float share);
   void add_pair(std::size_t k);
   void push(std::uint32_t vertex, const Beam& beam, bool hides, Edge::Near near = Edge::both);
   void add_inner_side(std::size_t first, std::size_t end, bool closed);
   void add_hidden(bool closed);
   void add_far_side(std::size_t first, std::size_t last);
-  /// The index of the link between beams k and k + 1 in PlacedScan::linked.
-  std::size_t link_index(std::size_t k) const {
-    const std::size_t n = beams_.size();
-    if ((k + 1) % n == 0) return n - 1;  // linked to none
-    return clockwise_ ? index(k % n) - 1 : k % n;
-  }
+  void pass_lone_return(const PlacedScan& sweep, std::size_t i, std::size_t k);
 
-  // Of the sweep that is added.
-  const BeamRays* rays_ = nullptr;
-  const PlacedScan* sweep_ = nullptr;
+  // Of the source whose outlines are added.
   std::uint16_t source_ = 0;
   float passed_share_ = 0, reach_ = 0;
-  bool clockwise_ = false;
-  float before_ = 0, after_ = 0;  // rad, from the outer beams of a run to its ends
-  float at_x_ = 0, at_y_ = 0;  // m, the scanner at the output's instant
-  std::vector<Beam> beams_;
-  std::vector<Link> chain_;   // the outer side of the current run
+  float step_ = 0;           // rad between beams
+  bool moved_ = false;       // the beams began in different positions
+  std::vector<Beam> beams_;  // of the sweep
+  std::vector<Link> chain_;  // the outer side of the current run
 };
 
-}  // namespace lidard::outlines
+}  // namespace lidard
