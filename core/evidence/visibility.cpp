@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 
 namespace lidard {
 namespace {
@@ -19,7 +17,7 @@ constexpr float rounding = 0.003F;
 Visibility::Visibility(const ScanGrid& grid, const VisibilitySettings& settings, std::size_t sources)
     : settings_(settings),
       raster_(grid),
-      rays_(sources, nullptr),
+      rays_(sources),
       range_max_(static_cast<float>(grid.range_max)),
       approach_(static_cast<float>(std::max(settings.approach, 5 * settings.noise))),
       kind_of_(sources * kinds + 2, seen),
@@ -57,7 +55,7 @@ void Visibility::compute(const std::vector<const PlacedScan*>& sweeps) {
   begin();
   for (std::size_t s = 0; s < sweeps.size(); ++s) {
     if (sweeps[s] == nullptr) continue;
-    const BeamRays& rays = *rays_[s];
+    const BeamRays& rays = rays_[s];
     outlines(s, seen, std::abs(rays.increment), rays.pose.translation().norm()).add_sweep(rays, *sweeps[s]);
     raster_.draw(*sweeps[s], nearest_);
     raster_.draw_mixed_pixels(*sweeps[s], mixed_pixels_);
@@ -161,7 +159,6 @@ BeamState Visibility::decide(std::size_t beam) {
     if (!walk.is_free()) end_unseen(walk, walk.end);
   }
   if (!walk.has_hit) return walk.covered ? BeamState::free : BeamState::unobserved;
-  if (!walk.covered && getenv("DBG")) fprintf(stderr,"gap beam %zu r %.3f end %.3f covered %.3f from %.3f hid %.3f behind %.3f unseen %.3f\n",beam,nearest_.range[beam],walk.end,covered_[beam],walk.stretch.from,walk.stretch.hidden_from,walk.stretch.behind,walk.unseen);
   if (!walk.covered) return BeamState::gap;
   return walk.is_free() || walk.end <= 0 ? BeamState::hit : BeamState::behind;
 }

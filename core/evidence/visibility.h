@@ -53,8 +53,8 @@ class Visibility {
   /// Where the vehicle was when the oldest beam was measured: nothing else was there. `former_from_now` maps
   /// points of the output frame now to those of then; none: it stood.
   void set_former(const std::optional<Pose>& former_from_now) { former_from_now_ = former_from_now; }
-  /// Sets the beams of a source, which must stay alive.
-  void set_source(std::size_t source, const BeamRays& rays) { rays_[source] = &rays; }
+  /// Sets the beams of a source; call it once and whenever the source's mount changes.
+  void set_source(std::size_t source, const BeamRays& rays) { rays_[source] = rays; }
   /// Computes from the newest sweep of every source; nullptr: the source has none.
   void compute(const std::vector<const PlacedScan*>& sweeps);
 
@@ -115,7 +115,7 @@ class Visibility {
 
   VisibilitySettings settings_;
   Raster raster_;
-  std::vector<const BeamRays*> rays_;
+  std::vector<BeamRays> rays_;
   Footprint body_;
   std::optional<Pose> former_from_now_;
   float range_max_;   // m

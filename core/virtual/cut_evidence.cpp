@@ -217,6 +217,11 @@ bool CutEvidence::is_straight(const Piece& a, const Piece& b, Visibility::Kind k
 
 void CutEvidence::add_strip(Visibility::Kind kind, std::vector<OutlineBeam>& beams, Outlines::Side begin,
                             Outlines::Side end) {
+  if (clockwise_) {
+    std::reverse(beams.begin(), beams.end());
+    for (std::size_t i = 0; i + 1 < beams.size(); ++i) beams[i].to_next = beams[i + 1].to_next;
+    std::swap(begin, end);
+  }
   const double step = view_->grid().step();
   visibility_->outlines(lidar_, kind, step, static_cast<double>(std::hypot(at_.x, at_.y)))
       .add_strip(beams, static_cast<float>(step), begin, end);
@@ -306,6 +311,8 @@ void CutEvidence::find(const PlaneView& view, const PlaneTops& tops, HeightBand 
   sign_ = view.sensor_above() >= 0 ? 1.0F : -1.0F;
   sensor_ = std::fabs(view.sensor_above());
   tilted_ = view.rotation().row(2).head<2>().norm() > level_enough;
+  // Lidars turn clockwise as seen from above.
+  clockwise_ = view.rotation()(2, 2) > 0;
   rings_ = grid.rings();
   step_ = sign_ > 0 ? 1 : -1;
   nearest_ring_ = sign_ > 0 ? 0 : rings_ - 1;

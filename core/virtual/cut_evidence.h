@@ -111,6 +111,7 @@ class CutEvidence {
   float sign_ = 1;                // -1: the sensor is beneath the plane
   std::ptrdiff_t step_ = 1;       // from a beam to the next one away from the sensor's foot
   std::size_t nearest_ring_ = 0;  // to the sensor's foot
+  bool clockwise_ = false;        // order of the columns
   bool tilted_ = false;           // the beams of a column have different directions in the plane
   std::vector<std::uint8_t> marks_;      // by RingGrid::index()
   struct Lone {
