@@ -15,6 +15,8 @@ constexpr float widest_step = 0.2F;
 constexpr float far_step = 0.95F;
 // m; free ways whose ends differ less end at one distance.
 constexpr float same_length = 1e-4F;
+// Share of the distance; free ways whose begins differ less begin along a straight line.
+constexpr float same_begin = 0.03F;
 // The path of a scanner is drawn with a vertex per so many beams. It bends little within a sweep.
 constexpr std::size_t path_stride = 16;
 
@@ -228,6 +230,20 @@ void Outlines::add_pair(std::size_t k) {
   push(add_vertex(border.ox + border.ux * b.length, border.oy + border.uy * b.length), border, b.hides);
 }
 
+/// Between two beams of which one begins to see nearer, that one owns the passed share of the angle.
+template <class Lead>
+void Outlines::lead_along_border(const Beam& a, const Beam& b, Lead lead_to) {
+  if (std::fabs(a.from - b.from) <= same_begin * std::min(a.from, b.from)) return;
+  const float share = a.from < b.from ? passed_share_ : 1 - passed_share_;
+  const auto at = [&](float from) {
+    const float bx = a.bx + (a.ux * (from - a.from)), by = a.by + (a.uy * (from - a.from));
+    const float ex = b.bx + (b.ux * (from - b.from)), ey = b.by + (b.uy * (from - b.from));
+    return add_vertex(bx + share * (ex - bx), by + share * (ey - by));
+  };
+  lead_to(at(a.from));
+  lead_to(at(b.from));
+}
+
 /// Adds the way back along the begins of the free ways.
 void Outlines::add_inner_side(std::size_t first, std::size_t end, bool closed) {
   bool begins_later = false;  // nearer than somewhere nobody looked
@@ -242,8 +258,11 @@ void Outlines::add_inner_side(std::size_t first, std::size_t end, bool closed) {
     at = vertex;
   };
   if (!closed) lead_to(add_vertex(chain_.back().bx, chain_.back().by));
-  for (std::size_t k = end - 1; k > first + stride; k -= stride)
+  for (std::size_t k = end - 1; k > first + stride; k -= stride) {
+    if (begins_later) lead_along_border(beam(k), beam(k - 1), lead_to);
     lead_to(add_vertex(beam(k - stride).bx, beam(k - stride).by));
+  }
+  if (begins_later && end - first > 1) lead_along_border(beam(first + 1), beam(first), lead_to);
   if (closed || stride < end - first) lead_to(add_vertex(beam(first).bx, beam(first).by));
   if (closed) return lead_to(start);
   if (begins_later) lead_to(add_vertex(chain_.front().bx, chain_.front().by));

@@ -95,6 +95,8 @@ class Outlines {
   void add_pair(std::size_t k);
   void push(std::uint32_t vertex, const Beam& beam, bool hides, Edge::Near near = Edge::both);
   void add_inner_side(std::size_t first, std::size_t end, bool closed);
+  template <class Lead>
+  void lead_along_border(const Beam& a, const Beam& b, Lead lead_to);
   void add_hidden(bool closed);
   void add_far_side(std::size_t first, std::size_t last);
   void pass_lone_return(const PlacedScan& sweep, std::size_t i, std::size_t k);

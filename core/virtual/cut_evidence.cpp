@@ -197,7 +197,7 @@ void CutEvidence::end_piece(const Ray& first, std::size_t last, std::size_t next
   if (free_end.at > farthest_) free_end = {farthest_, true};
   add(Visibility::seen, std::max(first.at, looked_from_), first, next, free_end);
   const std::uint8_t top = tops_->verdicts()[next];
-  const bool likely_lower = top == PlaneTops::none || top == PlaneTops::likely_below;
+  const bool likely_lower = top == PlaneTops::likely_below;
   if (crosses_too && ended && likely_lower && free_end.at <= end.at)
     add(Visibility::over, free_end.at, first, next, {end.at, false});
 }
