@@ -86,7 +86,12 @@ void Crossings::sort(std::size_t beams) {
   for (std::size_t beam = 0; beam < beams; ++beam) {
     Crossing* const first = sorted_.data() + firsts_[beam];
     Crossing* const last = sorted_.data() + firsts_[beam + 1];
-    // There are four to six; an insertion sort is the fastest.
+    constexpr std::ptrdiff_t few = 32;
+    if (last - first > few) {
+      std::stable_sort(first, last, [](const Crossing& a, const Crossing& b) { return a.at < b.at; });
+      continue;
+    }
+    // Mostly there are four to six; an insertion sort is the fastest.
     for (Crossing* next = first + 1; next < last; ++next) {
       const Crossing crossing = *next;
       Crossing* to = next;

@@ -17,6 +17,8 @@ constexpr float infinite = std::numeric_limits<float>::infinity();
 constexpr float level_enough = 0.02F;
 // Share of the distance; the ends of two columns that differ less are one border.
 constexpr float same_border = 0.03F;
+constexpr float in_plane = 0.001F;  // m
+constexpr float shortest = 0.002F;  // m; a shorter piece is a point
 // Columns without any beam that may lie between two of one strip.
 constexpr std::size_t most_silent = 1;
 
@@ -94,7 +96,7 @@ CutEvidence::End CutEvidence::thing_at(std::size_t last, std::size_t next) const
 /// Adds a piece that begins where `first` crosses the plane, or at `from` m if that is farther, and ends in
 /// the direction of beam `along`.
 void CutEvidence::add(Visibility::Kind kind, float from, const Ray& first, std::size_t along, End end) {
-  if (!(end.at >= from)) return;
+  if (!(end.at - from > shortest)) return;
   const RingGrid& grid = view_->grid();
   Piece piece{{}, along, first.beam % rings_};
   OutlineBeam& way = piece.way;
@@ -103,7 +105,7 @@ void CutEvidence::add(Visibility::Kind kind, float from, const Ray& first, std::
   way.ox = at_.x, way.oy = at_.y;
   way.ux = (to.x - at_.x) / reach, way.uy = (to.y - at_.y) / reach;
   way.from = from;
-  way.length = std::max(end.at, 1e-3F);
+  way.length = end.at;
   way.hides = end.hides;
   way.x = way.ox + way.ux * way.length, way.y = way.oy + way.uy * way.length;
   way.bx = way.ox + way.ux * from, way.by = way.oy + way.uy * from;
@@ -309,7 +311,8 @@ void CutEvidence::find(const PlaneView& view, const PlaneTops& tops, HeightBand 
   band_ = band;
   const RingGrid& grid = view.grid();
   sign_ = view.sensor_above() >= 0 ? 1.0F : -1.0F;
-  sensor_ = std::fabs(view.sensor_above());
+  // In a plane through the sensor every beam that leaves it does so at the sensor.
+  sensor_ = std::fabs(view.sensor_above()) < in_plane ? 0 : std::fabs(view.sensor_above());
   tilted_ = view.rotation().row(2).head<2>().norm() > level_enough;
   // Lidars turn clockwise as seen from above.
   clockwise_ = view.rotation()(2, 2) > 0;

@@ -33,7 +33,7 @@ struct SlowRule::Scene {
   struct Beam {
     Point origin, ray;
     double from = 0, to = 0, step = 0;   // m; to == 0: no evidence; rad to the next beam
-    bool returns = false, lone = false;  // at its end; its return hides nothing
+    bool returns = false;  // at its end
   };
 
   /// Between beams or borders a and b, b counter-clockwise of a.
@@ -121,35 +121,43 @@ struct SlowRule::Scene {
       add_wedge(before ? border : beam, before ? beam : border, beam.returns, false);
     }
 
+    /// A return that one beam alone meets hides nothing but what is near behind it.
+    void pass_lone_returns(const std::vector<Beam>& beams, const PlacedScan& sweep, double passed) {
+      for (std::size_t i = 1; i + 1 < beams.size(); ++i) {
+        if (sweep.kind[i] != Return::surface || sweep.linked[i - 1] != 0 || sweep.linked[i] != 0) continue;
+        Beam right = beams[i], left = beams[i];
+        left.from = right.from = beams[i].to + 0.5;
+        left.to = right.to = std::min(beams[i - 1].to, beams[i + 1].to);
+        if (beams[i].to <= 0 || left.to < left.from) continue;
+        for (Beam* border : {&right, &left}) {
+          const double angle = angle_between(beams[i].ray, border == &right ? beams[i - 1].ray : beams[i + 1].ray);
+          const double share = 1 - std::min(passed / std::max(std::fabs(angle), touch), 0.5);
+          border->ray = Eigen::Rotation2Dd(share * angle) * border->ray;
+        }
+        add_wedge(right, left, false, false);
+      }
+    }
+
     /// `passed`: rad between an object and the beam beside it.
-    void build(std::vector<Beam>& beams, const PlacedScan& sweep, double passed,
-               const SlowRuleSettings& settings) {
+    void build(std::vector<Beam>& beams, const PlacedScan& sweep, double passed) {
       const std::size_t n = beams.size();
       const bool circle = n > 2 && std::fabs(beams[n - 1].step) < 1.5 * std::fabs(beams[0].step);
       const bool closed = circle && !sweep.moved;
       const double before_first = closed ? beams[n - 1].step : n > 1 ? beams[0].step : 0;
       if (!closed) beams[n - 1].step = n > 1 ? beams[n - 2].step : 0;
-      for (std::size_t i = closed ? 0 : 1; i + (closed ? 0 : 1) < n && !settings.lone_returns_hide; ++i) {
-        const double beyond = std::min(beams[(i + n - 1) % n].to, beams[(i + 1) % n].to) - beams[i].to;
-        beams[i].lone = sweep.kind[i] == Return::surface && beams[i].to > 0 && beyond >= settings.lone_before;
-      }
+      pass_lone_returns(beams, sweep, passed);
       std::vector<char> follows(n, 0);
       for (std::size_t i = 0; i < n; ++i) {
         const Beam& a = beams[i];
-        if (a.to <= 0 || a.lone) continue;
-        const std::size_t skipped = beams[(i + 1) % n].lone ? 1 : 0, next = i + 1 + skipped;
-        const Beam& b = beams[next % n];
+        if (a.to <= 0) continue;
+        const Beam& b = beams[(i + 1) % n];
         const double angle = angle_between(a.ray, b.ray);
-        const bool near = b.to > 0 && std::fabs(angle) < widest_step && (next < n || circle);
-        const bool linked = skipped == 0 && sweep.linked[i] == PlacedScan::linked_surely;
-        if (near && (next < n || closed)) {
-          follows[next % n] = 1;
+        const bool near = b.to > 0 && std::fabs(angle) < widest_step && (i + 1 < n || circle);
+        const bool linked = sweep.linked[i] == PlacedScan::linked_surely;
+        if (near && (i + 1 < n || closed)) {
+          follows[(i + 1) % n] = 1;
           add_pair(a, b, linked, passed, false);
           if (std::fabs(a.from - b.from) > 1e-3) add_pair(a, b, linked, passed, true);
-          if (skipped == 0) continue;
-          // Whether what is behind a lone return is one surface, and how wide its border is.
-          const bool like = a.returns && b.returns && std::fabs(a.to - b.to) < settings.lone_before;
-          add_pair(a, b, like, like ? passed : 2 * passed, true);
           continue;
         }
         add_half(a, a.step, false);
@@ -157,7 +165,7 @@ struct SlowRule::Scene {
         if (near && angle * turn > 0) add_pair(a, b, linked, passed, true);
       }
       for (std::size_t i = 0; i < n; ++i)
-        if (beams[i].to > 0 && !beams[i].lone && follows[i] == 0)
+        if (beams[i].to > 0 && follows[i] == 0)
           add_half(beams[i], i > 0 ? beams[i - 1].step : before_first, true);
     }
   };
@@ -266,7 +274,7 @@ SlowRule::SlowRule(const ScanGrid& grid, const VisibilitySettings& how, const Sl
 void SlowRule::add(const PlacedScan& sweep, const BeamRays& rays) {
   Scene::Source& source = scene_->sources.emplace_back();
   std::vector<Scene::Beam> beams = source.beams_of(sweep, rays);
-  source.build(beams, sweep, scene_->grid.increment / 4, scene_->settings);
+  source.build(beams, sweep, scene_->grid.increment / 4);
   scene_->add_surfaces(sweep);
 }
 

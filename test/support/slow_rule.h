@@ -14,8 +14,6 @@ namespace lidard::sim {
 
 struct SlowRuleSettings {
   double edge = 0.004;             ///< m; nearer to an edge than this, rounding may decide
-  bool lone_returns_hide = false;  ///< also a return that one beam alone meets
-  double lone_before = 0.5;        ///< m that both neighbours of such a beam pass beyond the return
 };
 
 /// What may be said of a beam in profile strict.

@@ -3,7 +3,6 @@
 // Random scenes: what a merged scan says of each beam is what the rule of free space says, applied slowly.
 // The environment variable LIDARD_RULE_SCENES sets the number of scenes of each set-up; 1,500 are 100,000
 // beams.
-#include "test/support/outline_visibility.h"
 #include "test/support/slow_rule.h"
 
 #include <gtest/gtest.h>
@@ -113,17 +112,7 @@ class RuleScene {
     PlanarScan strict;
     merger.merge(moment, std::vector<char>(rays.size(), 1), {{Profile::strict, &strict}}, nullptr);
     SlowRule rule(grid_, settings_.how, rule_settings(), outline, former);
-    outlines::OutlineVisibility visibility(grid_, settings_.how, rays.size());
-    visibility.set_footprint(outline);
-    visibility.set_former(former);
-    std::vector<const PlacedScan*> sweeps;
-    for (std::size_t s = 0; s < rays.size(); ++s) {
-      rule.add(*merger.sweep(s), rays[s]);
-      visibility.set_source(s, rays[s]);
-      sweeps.push_back(merger.sweep(s));
-    }
-    visibility.compute(sweeps);
-    visibility.encode(Profile::strict, strict, false);
+    for (std::size_t s = 0; s < rays.size(); ++s) rule.add(*merger.sweep(s), rays[s]);
     const std::vector<Claim> claims = claims_of_scan(strict);
     for (std::size_t beam = seed_ % stride; beam < claims.size(); beam += stride)
       judge(beam, claims[beam], rule.answer(beam), count);
@@ -135,7 +124,6 @@ class RuleScene {
   static SlowRuleSettings rule_settings() {
     SlowRuleSettings settings;
     if (const char* edge = std::getenv("LIDARD_RULE_EDGE")) settings.edge = std::strtod(edge, nullptr);
-    settings.lone_returns_hide = true;
     return settings;
   }
 

@@ -9,6 +9,8 @@
 #include <limits>
 
 #include "core/virtual/plane_cut.h"
+#include "test/core/evidence/outline_bench.h"
+#include "test/core/virtual/cut_bench.h"
 #include "test/core/virtual/small_lidar.h"
 #include "test/sim/world/units.h"
 
@@ -16,8 +18,8 @@ namespace lidard {
 namespace {
 
 using namespace test::rings;
-
-constexpr double unit = 0.001;
+using test::outline::free_pieces;
+using test::outline::Piece;
 
 /// A lidar that stands level, `above` m above a level plane (or beneath it), and what its beams prove of
 /// that.
@@ -36,12 +38,17 @@ struct Scene {
     view.set_frame(make_pose({0, 0, above}, {0, 0, 0}));
     view.set_level(0);
     tops.find(view);
-    for (FreeSpaceMap* map : {&near, &far, &blind, &over}) map->set(0, 0, grid.step(), unit);
-    evidence.find(view, tops, band, {&near, &far}, blind, over);
+    find(band);
   }
-  std::size_t cell_of(std::size_t column) const {
-    const double a = -lidar.azimuth(column);
-    return near.cell_towards(static_cast<float>(std::cos(a)), static_cast<float>(std::sin(a)));
+  void find(HeightBand band) {
+    visibility.begin();
+    evidence.find(view, tops, band, 0, visibility);
+  }
+  /// The pieces of one kind in the direction of a column.
+  std::vector<Piece> pieces(std::size_t column, Visibility::Kind kind) {
+    // A little aside, so that no vertex lies in that direction.
+    const double angle = -lidar.azimuth(column) + 0.01 * grid.step();
+    return free_pieces(visibility.outlines(0, kind, grid.step(), 0), kind, {0, 0}, angle);
   }
 
   SmallLidar lidar;
@@ -52,11 +59,7 @@ struct Scene {
   PlaneView view;
   PlaneTops tops;
   CutEvidence evidence;
-  FreeSpaceMap near, far, blind, over;
-};
-
-struct Piece {
-  double from, to;
+  Visibility visibility{test::cut::full_circle(720), {}, 1};
 };
 
 /// What the beams of one column prove of a plane `above` m beneath the lidar (above it, if negative): the
@@ -124,38 +127,22 @@ bool neighbours_agree(const Scene& scene, std::size_t column, double above) {
   return true;
 }
 
-int first_unit(const FreeSpaceMap& map, std::size_t cell) { return map.runs()[cell].from + 0x8000; }
-double begin_of(const FreeSpaceMap& map, std::size_t cell) { return unit * first_unit(map, cell); }
-double end_of(const FreeSpaceMap& map, std::size_t cell) { return unit * map.runs()[cell].to(); }
-bool has_any(const FreeSpaceMap& map, std::size_t cell) { return first_unit(map, cell) < 65534; }
-
-void expect_proof(const Scene& scene, const Proof& proof, std::size_t column) {
-  const std::size_t cell = scene.cell_of(column);
-  std::vector<Piece> pieces;
+void expect_proof(Scene& scene, const Proof& proof, std::size_t column) {
+  std::vector<Piece> expected;
   for (const Piece& piece : proof.free) {
-    if (std::abs(piece.to - piece.from) < 3 * unit) return;  // one beam alone proves a point
-    if (piece.to > piece.from) pieces.push_back(piece);
+    if (std::abs(piece.to - piece.from) < 0.003) return;  // one beam alone proves a point
+    if (piece.to > piece.from) expected.push_back(piece);
   }
-  for (std::size_t p = 0; p + 1 < pieces.size(); ++p) {
-    if (pieces[p + 1].from - pieces[p].to < 0.06 + 0.021 * pieces[p + 1].to) return;  // nearly one
+  const std::vector<Piece> pieces = scene.pieces(column, Visibility::seen);
+  ASSERT_EQ(pieces.size(), expected.size()) << column;
+  for (std::size_t p = 0; p < pieces.size(); ++p) {
+    // The neighbours may meet a slanting wall a little nearer or farther.
+    ASSERT_NEAR(pieces[p].from, expected[p].from, 0.003 + 1e-3 * expected[p].from) << column << " piece " << p;
+    ASSERT_NEAR(pieces[p].to, expected[p].to, 0.003 + 1e-3 * expected[p].to) << column << " piece " << p;
   }
-  const FreeSpaceMap* maps[] = {&scene.near, &scene.far};
-  if (pieces.size() == 1) pieces.push_back(pieces[0]);  // both maps have it
-  for (std::size_t p = 0; p < 2; ++p) {
-    ASSERT_EQ(has_any(*maps[p], cell), p < pieces.size()) << column << " piece " << p;
-    if (p >= pieces.size()) continue;
-    ASSERT_NEAR(begin_of(*maps[p], cell), pieces[p].from, 0.003 + 1e-4 * pieces[p].from) << column;
-    // A neighbour may meet the slanting wall a little nearer.
-    ASSERT_LE(end_of(*maps[p], cell), pieces[p].to + 0.003 + 1e-4 * pieces[p].to) << column;
-    ASSERT_GE(end_of(*maps[p], cell), 0.96 * pieces[p].to) << column;
-  }
-  ASSERT_EQ(has_any(scene.blind, cell), proof.blind > 0) << column;
-  if (proof.blind > 0) {
-    // The free piece that begins there joins what is blind.
-    const bool joins = !pieces.empty() && std::abs(pieces[0].from - proof.blind) < 2 * unit;
-    const double end = joins ? end_of(scene.near, cell) : proof.blind;
-    ASSERT_NEAR(end_of(scene.blind, cell), end, 0.003 + 1e-4 * proof.blind) << column;
-  }
+  const std::vector<Piece> blind = scene.pieces(column, Visibility::blind);
+  ASSERT_EQ(blind.empty(), proof.blind <= 0) << column;
+  if (proof.blind > 0) ASSERT_NEAR(blind[0].to, proof.blind, 0.003 + 1e-3 * proof.blind) << column;
 }
 
 TEST(CutEvidence, ThePlaneIsFreeBetweenTheBeamsThatCrossItAndBlindBeforeThem) {
@@ -179,8 +166,7 @@ TEST(CutEvidence, ThePlaneIsFreeBetweenTheBeamsThatCrossItAndBlindBeforeThem) {
     scene.view.set_frame(make_pose({0, 0, 1.5}, {0, 0, 0}));
     scene.view.set_level(0);
     scene.tops.find(scene.view);
-    for (FreeSpaceMap* map : {&scene.near, &scene.far, &scene.blind}) map->clear();
-    scene.evidence.find(scene.view, scene.tops, {0, 0}, {&scene.near, &scene.far}, scene.blind, scene.over);
+    scene.find({0, 0});
     for (std::size_t c = 0; c < 360; ++c) {
       const Proof proof = prove(scene, c, 1.5);
       if (proof.free.size() > 2 || !neighbours_agree(scene, c, 1.5)) continue;
@@ -225,12 +211,12 @@ TEST(CutEvidence, OfABandFreePiecesEndWhereSomethingStandsInIt) {
   // The plane lies 1.5 m beneath; the band reaches from there to 1 m above it.
   scene.look(1.5, {0, 1});
   for (const std::size_t column : {110U, 130U, 145U}) {
-    const std::size_t cell = scene.cell_of(column);
-    ASSERT_TRUE(has_any(scene.near, cell));
-    EXPECT_NEAR(end_of(scene.near, cell), 9, 0.01) << column;
+    const std::vector<Piece> pieces = scene.pieces(column, Visibility::seen);
+    ASSERT_FALSE(pieces.empty()) << column;
+    EXPECT_NEAR(pieces[0].to, 9, 0.01) << column;
   }
   for (const std::size_t column : {50U, 200U, 300U})
-    EXPECT_NEAR(end_of(scene.near, scene.cell_of(column)), 15, 0.01);
+    EXPECT_NEAR(scene.pieces(column, Visibility::seen)[0].to, 15, 0.01);
 }
 
 /// A slope between two rings that leans away: the lower returns at 8 m, the upper ones at 9 m.
