@@ -88,7 +88,7 @@ void Crossings::sort(std::size_t beams) {
     Crossing* const last = sorted_.data() + firsts_[beam + 1];
     constexpr std::ptrdiff_t few = 32;
     if (last - first > few) {
-      std::stable_sort(first, last, [](const Crossing& a, const Crossing& b) { return a.at < b.at; });
+      std::sort(first, last, [](const Crossing& a, const Crossing& b) { return a.at < b.at; });
       continue;
     }
     // Mostly there are four to six; an insertion sort is the fastest.

@@ -79,13 +79,12 @@ void Outlines::add_sweep(const BeamRays& rays, const PlacedScan& sweep) {
   }
 }
 
-void Outlines::add_strip(std::vector<Beam>& beams, float step, Side begin, Side end) {
+void Outlines::add_strip(const std::vector<Beam>& beams, float step, Side begin, Side end) {
   step_ = step;
   moved_ = true;
-  for (Beam& beam : beams) beam.length = std::min(beam.length, reach_), beam.vertex = none;
-  beams_.swap(beams);
-  add_run(0, beams_.size(), false, begin == Side::open ? passed_share_ : 0, end == Side::open ? passed_share_ : 0);
-  beams_.swap(beams);
+  beams_.assign(beams.begin(), beams.end());
+  const auto share = [this](Side side) { return side == Side::open ? passed_share_ : 0; };
+  add_run(0, beams_.size(), false, share(begin), share(end));
 }
 
 void Outlines::read_beams(const BeamRays& rays, const PlacedScan& sweep) {

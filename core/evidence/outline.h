@@ -50,7 +50,7 @@ class Outlines {
     float bx = 0, by = 0;    ///< m, where it begins
     bool hides = false;      ///< a return stands at its end
     bool to_next = false;    ///< the free space reaches straight from this end to that of the next beam
-    std::uint32_t vertex = none;
+    std::uint32_t vertex = none;  ///< at its end, as soon as there is one
   };
   /// What the first or last beam of a strip borders on.
   enum class Side : std::uint8_t { open, joined };
@@ -62,8 +62,8 @@ class Outlines {
   /// Adds the outline of a sweep.
   void add_sweep(const BeamRays& rays, const PlacedScan& sweep);
   /// Adds the outline of beams in counter-clockwise order, neighbours all. An `open` side extends by the
-  /// passed share of a step, a `joined` one ends in the beam. Sets their `vertex`.
-  void add_strip(std::vector<Beam>& beams, float step, Side begin, Side end);
+  /// passed share of a step, a `joined` one ends in the beam.
+  void add_strip(const std::vector<Beam>& beams, float step, Side begin, Side end);
   /// Adds a polygon that is free inside: the vehicle.
   void add_polygon(std::size_t source, const Footprint& polygon);
 

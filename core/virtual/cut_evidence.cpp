@@ -101,7 +101,7 @@ void CutEvidence::add(Visibility::Kind kind, float from, const Ray& first, std::
   Piece piece{{}, along, first.beam % rings_};
   OutlineBeam& way = piece.way;
   const Raster::Point to = view_->place(grid.ends[along]);
-  const float reach = std::max(view_->reaches()[along], 1e-3F);
+  const float reach = std::max(reach_of(to), 1e-3F);
   way.ox = at_.x, way.oy = at_.y;
   way.ux = (to.x - at_.x) / reach, way.uy = (to.y - at_.y) / reach;
   way.from = from;
@@ -111,7 +111,7 @@ void CutEvidence::add(Visibility::Kind kind, float from, const Ray& first, std::
   way.bx = way.ox + way.ux * from, way.by = way.oy + way.uy * from;
   if (tilted_ && from > 0 && first.beam != along) {
     const Raster::Point begin = view_->place(grid.ends[first.beam]);
-    const float share = from / std::max(view_->reaches()[first.beam], 1e-3F);
+    const float share = from / std::max(reach_of(begin), 1e-3F);
     way.bx = at_.x + (begin.x - at_.x) * share, way.by = at_.y + (begin.y - at_.y) * share;
   }
   strips_[kind].column.push_back(piece);
@@ -144,21 +144,29 @@ float CutEvidence::wall_in_band(std::size_t column) const {
 /// m from where on a column's beams have looked at all of the band: nearer its upper limit is above the
 /// topmost beam of a lidar that stands in the band.
 float CutEvidence::whole_band_from(std::size_t column) const {
-  const float sensor = view_->level() + view_->sensor_above();
+  const float sensor = view_->level() + sign_ * sensor_;
   const auto top = static_cast<float>(band_.max), bottom = static_cast<float>(band_.min);
   if (!(bottom < sensor && sensor < top && std::isfinite(top))) return 0;
   for (std::size_t r = rings_; r-- > 0;) {
     const std::size_t i = view_->grid().index(column, r);
     if ((marks_[i] & known) == 0) continue;
     const float rise = view_->heights()[i] - sensor;
-    return rise > 0 ? view_->reaches()[i] * (top - sensor) / rise : infinite;
+    return rise > 0 ? reach_of(i) * (top - sensor) / rise : infinite;
   }
   return infinite;
+}
+
+void CutEvidence::look_from(const BeamEnd& origin) {
+  at_ = view_->place(origin);
+  // In a plane through the sensor every beam that leaves it does so at the sensor.
+  const float above = std::max(sign_ * view_->above(origin), 0.0F);
+  sensor_ = above < in_plane ? 0 : above;
 }
 
 /// Finds the pieces of a column; false if it has no beam.
 bool CutEvidence::find_column(std::size_t column) {
   const std::size_t base = view_->grid().index(column, 0);
+  if (view_->grid().moved) look_from(view_->grid().origins[column]);
   farthest_ = wall_in_band(column);
   looked_from_ = whole_band_from(column);
   const auto mark = [&](std::size_t k) { return marks_[beam(base, k)]; };
@@ -311,15 +319,13 @@ void CutEvidence::find(const PlaneView& view, const PlaneTops& tops, HeightBand 
   band_ = band;
   const RingGrid& grid = view.grid();
   sign_ = view.sensor_above() >= 0 ? 1.0F : -1.0F;
-  // In a plane through the sensor every beam that leaves it does so at the sensor.
-  sensor_ = std::fabs(view.sensor_above()) < in_plane ? 0 : std::fabs(view.sensor_above());
+  look_from(BeamEnd{0, 0, 0, 0});
   tilted_ = view.rotation().row(2).head<2>().norm() > level_enough;
   // Lidars turn clockwise as seen from above.
   clockwise_ = view.rotation()(2, 2) > 0;
   rings_ = grid.rings();
   step_ = sign_ > 0 ? 1 : -1;
   nearest_ring_ = sign_ > 0 ? 0 : rings_ - 1;
-  at_ = view.place(BeamEnd{0, 0, 0, 0});
   mark_beams();
   // While the vehicle drives a whole turn lies between the last column and the first one.
   const bool closes = !grid.moved;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -75,7 +76,13 @@ class CutEvidence {
   std::size_t shown_by(std::size_t i) const;
   Ray ray(std::size_t i) const;
   /// m, e of the drawing.
-  float end_of(std::size_t i) const { return view_->reaches()[shown_by(i)]; }
+  float end_of(std::size_t i) const { return reach_of(shown_by(i)); }
+  /// m, level from where the beam began to its end.
+  float reach_of(std::size_t i) const {
+    return view_->grid().moved ? reach_of(view_->place(view_->grid().ends[i])) : view_->reaches()[i];
+  }
+  float reach_of(const Raster::Point& end) const { return std::hypot(end.x - at_.x, end.y - at_.y); }
+  void look_from(const BeamEnd& origin);
   float above(std::size_t i) const { return view_->above(shown_by(i)); }
   /// The k-th beam of a column, in order away from the sensor's foot.
   std::size_t beam(std::size_t base, std::size_t k) const {
@@ -106,8 +113,8 @@ class CutEvidence {
   std::size_t lidar_ = 0;
   HeightBand band_;
   std::size_t rings_ = 0;
-  Raster::Point at_{};            // m, the sensor in the frame
-  float sensor_ = 0;              // m, distance from the plane
+  Raster::Point at_{};            // m, the sensor in the frame, when it fired the current column
+  float sensor_ = 0;              // m, its distance from the plane
   float sign_ = 1;                // -1: the sensor is beneath the plane
   std::ptrdiff_t step_ = 1;       // from a beam to the next one away from the sensor's foot
   std::size_t nearest_ring_ = 0;  // to the sensor's foot

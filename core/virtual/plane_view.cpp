@@ -242,8 +242,9 @@ void PlaneTops::judge(const PlaneView& view, std::size_t ring, const Run& run) {
   Verdict verdict = none;
   if (shape == Shape::top)
     verdict = stays_below;
-  else if (shape == Shape::face || shape == Shape::top_or_face ||
-           (!above && -run.top > (1 - likely_reach) * room))
+  else if (shape == Shape::face)
+    verdict = none;
+  else if (shape == Shape::top_or_face || (!above && -run.top > (1 - likely_reach) * room))
     verdict = likely_below;
   else if (above || -run.top < likely_reach * room)
     verdict = reaches;

@@ -41,8 +41,12 @@ class PlaneView {
   const std::vector<float>& reaches() const { return reaches_; }
   /// By RingGrid::index(); the first column is repeated after the last one.
   const std::vector<std::uint8_t>& sides() const { return sides_; }
-  /// m above the plane, of a beam's end and of the sensor.
+  /// m above the plane, of a beam's end, of a point of the cloud's frame and of the sensor.
   float above(std::size_t i) const { return heights_[i] - level_; }
+  float above(const BeamEnd& at) const {
+    const auto& r = rotation_;
+    return r(2, 0) * at.x + r(2, 1) * at.y + r(2, 2) * at.z + translation_.z() - level_;
+  }
   float sensor_above() const { return translation_.z() - level_; }
   float level() const { return level_; }
   /// m from the sensor, level.

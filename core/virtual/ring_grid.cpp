@@ -57,11 +57,18 @@ bool RingGrid::organise(const Cloud& cloud, const CloudMotion* motion) {
   why_not_ = "";
   moved = motion != nullptr && !motion->stands();
   by_azimuth_ = !fires_in_columns(cloud);
-  if (!by_azimuth_) {
-    organise_columns(cloud, motion);
-    return true;
+  if (by_azimuth_ && !organise_points(cloud, motion)) return false;
+  if (!by_azimuth_) organise_columns(cloud, motion);
+  if (moved) find_origins(*motion);
+  return true;
+}
+
+void RingGrid::find_origins(const CloudMotion& motion) {
+  origins.resize(columns_);
+  for (std::size_t c = 0; c < columns_; ++c) {
+    const Eigen::Vector3f at = motion.at(static_cast<double>(times_[c])).translation().cast<float>();
+    origins[c] = {at.x(), at.y(), at.z(), 0};
   }
-  return organise_points(cloud, motion);
 }
 
 bool RingGrid::fires_in_columns(const Cloud& cloud) {

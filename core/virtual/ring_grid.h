@@ -101,6 +101,7 @@ class RingGrid {
   std::vector<Beam> kind;
   std::vector<BeamEnd> early;     ///< earlier returns of firings
   bool moved = false;             ///< the vehicle drove while the cloud was measured
+  std::vector<BeamEnd> origins;   ///< where it was at each column, if it drove
   std::uint64_t own_returns = 0;  ///< returns from the vehicle, since the start
   std::uint64_t misplaced = 0;    ///< points without a place in the grid, since the start
 
@@ -112,6 +113,7 @@ class RingGrid {
   void open_column(std::size_t column, double azimuth);
   void extend_azimuths();
   void fill_column(const Cloud& cloud, std::size_t column, const Pose* move);
+  void find_origins(const CloudMotion& motion);
   void measure_ranges();
   void check(std::size_t at);
   void mark_too_near(const Cloud& cloud);
