@@ -98,6 +98,8 @@ void Outlines::read_beams(const BeamRays& rays, const PlacedScan& sweep) {
     const bool last = k + 1 == n;
     beams_[k].to_next = !last && sweep.linked[clockwise ? i - 1 : i] == PlacedScan::linked_surely;
   }
+  for (const PlacedScan::Corner& corner : sweep.corners)
+    beams_[clockwise ? n - 2 - corner.beam : corner.beam].corner = &corner.at;
   for (const std::size_t i : sweep.lone_returns) pass_lone_return(sweep, i, clockwise ? n - 1 - i : i);
 }
 
@@ -107,6 +109,7 @@ void Outlines::place_beam(const BeamRays& rays, const PlacedScan& sweep, std::si
   b.from = sweep.free_from[i];
   b.hides = sweep.kind[i] != Return::nothing;
   b.vertex = none;
+  b.corner = nullptr;
   if (sweep.moved) {
     b.ox = at_x + sweep.origin_x[i], b.oy = at_y + sweep.origin_y[i];
     b.x = at_x + sweep.free_x[i], b.y = at_y + sweep.free_y[i];
@@ -214,7 +217,11 @@ void Outlines::add_pair(std::size_t k) {
   const Beam a = beam(k), b = beam(k + 1);
   const bool nearer = a.length <= b.length;
   const bool hides = nearer ? a.hides : b.hides;
-  if (a.to_next) return push(vertex, a, a.hides || b.hides);
+  if (a.to_next) {
+    push(vertex, a, a.hides || b.hides);
+    if (a.corner != nullptr) push(add_vertex(a.corner->x, a.corner->y), b, a.hides || b.hides);
+    return;
+  }
   push(vertex, a, a.hides);
   if (!hides && std::fabs(a.length - b.length) <= same_length) return;
   const float passed = hides ? passed_share_ : 0.5F;

@@ -50,6 +50,7 @@ class Outlines {
     float bx = 0, by = 0;    ///< m, where it begins
     bool hides = false;      ///< a return stands at its end
     bool to_next = false;    ///< the free space reaches straight from this end to that of the next beam
+    const PlacedScan::Point* corner = nullptr;  ///< the straight way bends there
     std::uint32_t vertex = none;  ///< at its end, as soon as there is one
   };
   /// What the first or last beam of a strip borders on.

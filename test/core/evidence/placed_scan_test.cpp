@@ -90,14 +90,22 @@ TEST(PlacedScan, ReturnsOfTheVehicleAreNeitherSurfaceNorFreeSpace) {
   EXPECT_GT(std::count(c.sweep.kind.begin(), c.sweep.kind.end(), Return::surface), 400);
 }
 
-TEST(PlacedScan, ReturnsFromBehindTheBodyAreNotBelieved) {
+TEST(PlacedScan, AReturnFromBeyondTheOutlineProvesThatItsBeamPassesTheVehicle) {
   FlatWorld world;
   world.add_box({0, 0}, {20, 20}, 0);
-  const Conditioned c(world, scanner_at(3, 0, 180, 0.5), Footprint({{-2, -1}, {2, -1}, {2, 1}, {-2, 1}}));
+  Conditioned c(world, scanner_at(3, 0, 180, 0.5), Footprint({{-2, -1}, {2, -1}, {2, 1}, {-2, 1}}));
   EXPECT_GT(c.sweep.seen_through, 50U);
   const std::size_t middle = c.towards(0);
-  EXPECT_EQ(c.sweep.kind[middle], Return::nothing);
-  EXPECT_NEAR(c.sweep.free_to[middle], 1, 0.01);
+  EXPECT_EQ(c.sweep.kind[middle], Return::surface);
+  EXPECT_NEAR(c.sweep.free_to[middle], 23, 0.1);
+  // Without a return, too, from then on; a beam that has never had one ends at the outline.
+  PlanarScan nothing = c.scan;
+  for (std::size_t i = 0; i < nothing.beams; ++i) nothing.set_without_hit(i, BeamStatus::none);
+  condition(nothing, c.rays, {}, c.sweep);
+  EXPECT_GT(c.sweep.free_to[middle], 23);
+  PlacedScan other;
+  condition(nothing, c.rays, {}, other);
+  EXPECT_NEAR(other.free_to[middle], 1, 0.01);
 }
 
 TEST(PlacedScan, OutlineThatReachesALittleBeyondAScannerOnItsBorderDoesNotBlindIt) {
@@ -108,8 +116,8 @@ TEST(PlacedScan, OutlineThatReachesALittleBeyondAScannerOnItsBorderDoesNotBlindI
   for (const double direction : {-75.0, -45.0, -10.0, 0.0, 60.0, 170.0}) {
     EXPECT_EQ(c.sweep.kind[c.towards((direction - 45) * degree)], Return::surface) << direction;
   }
-  // Along the front, and into the body, it sees nothing of the world.
-  EXPECT_EQ(c.sweep.kind[c.towards(-135 * degree)], Return::nothing);
+  // Along the front, and through the body.
+  EXPECT_EQ(c.sweep.seen_through, static_cast<std::uint64_t>(std::count(c.sweep.passes_vehicle.begin(), c.sweep.passes_vehicle.end(), 1)));
 }
 
 TEST(PlacedScan, ScannerAboveTheVehicleSeesOverIt) {

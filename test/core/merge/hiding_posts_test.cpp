@@ -67,11 +67,15 @@ struct PostScene {
     merger.merge(moment, std::vector<char>(scanners.size(), 1),
                  {{Profile::strict, &strict}, {Profile::safety, &safety}}, nullptr);
   }
-  /// Beams that end at the world before `limit` m, and those of them that are free in either profile.
-  void count(double limit) {
+  /// Beams that end at the world before `limit` m, and more than `edge` m beside its edges; and those of them
+  /// that are free in either profile.
+  void count(double limit, double edge = 0) {
     blocked = free = 0;
     for (std::size_t i = 0; i < strict.beams; ++i) {
-      if (world.cast(origin, static_cast<double>(strict.angle(i))) > limit) continue;
+      const auto angle = static_cast<double>(strict.angle(i));
+      const double truth = world.cast(origin, angle), aside = edge / truth;
+      if (truth > limit || world.cast(origin, angle - aside) > limit || world.cast(origin, angle + aside) > limit)
+        continue;
       ++blocked;
       for (const PlanarScan* scan : {&strict, &safety}) free += scan->statuses[i] == BeamStatus::none ? 1 : 0;
     }
@@ -271,7 +275,8 @@ TEST(HidingPosts, APostThatIsPassedClosely) {
           scene.world.add_box({x, y}, {0.1, 0.1}, 0.8);
           scene.origin = origin;
           scene.look(speed, 0.03);
-          scene.count(11);
+          // A link of two returns with 1 cm of noise may cut the corner of a post.
+          scene.count(11, 0.005);
           blocked += scene.blocked;
           free += scene.free;
           for (const BeamStatus status : scene.strict.statuses) hits += status == BeamStatus::hit ? 1 : 0;
@@ -279,7 +284,7 @@ TEST(HidingPosts, APostThatIsPassedClosely) {
       }
     }
   }
-  EXPECT_LE(free, blocked / 2000) << "grazing beams of " << blocked;
+  EXPECT_EQ(free, 0) << "of " << blocked;
   EXPECT_GT(hits, blocked / 3);
 }
 

@@ -47,7 +47,7 @@ struct Scene {
   /// The pieces of one kind in the direction of a column.
   std::vector<Piece> pieces(std::size_t column, Visibility::Kind kind) {
     // A little aside, so that no vertex lies in that direction.
-    const double angle = -lidar.azimuth(column) + 0.01 * grid.step();
+    const double angle = -lidar.azimuth(column) + 0.001 * grid.step();
     return free_pieces(visibility.outlines(0, kind, grid.step(), 0), kind, {0, 0}, angle);
   }
 
