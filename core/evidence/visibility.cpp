@@ -38,6 +38,7 @@ void Visibility::begin() {
   nearest_.clear(beams());
   mixed_pixels_.clear(beams());
   outlines_.clear();
+  has_columns_ = true;
   column_ = 0;
 }
 
@@ -46,13 +47,14 @@ Outlines& Visibility::outlines(std::size_t source, Kind kind, double step, doubl
   const double passed = std::min(0.5, raster_.grid().increment / 4 / step);
   // Beyond all ranges, as seen from every position that the source looks from.
   const double reach = 4 * (raster_.grid().range_max + distance);
-  if (kind == blind) column_ = std::max(column_, static_cast<float>(step));
+  if (has_columns_) column_ = std::max(column_, static_cast<float>(step));
   outlines_.set_source(source * kinds + kind, static_cast<float>(passed), static_cast<float>(reach));
   return outlines_;
 }
 
 void Visibility::compute(const std::vector<const PlacedScan*>& sweeps) {
   begin();
+  has_columns_ = false;
   for (std::size_t s = 0; s < sweeps.size(); ++s) {
     if (sweeps[s] == nullptr) continue;
     const BeamRays& rays = rays_[s];
@@ -192,7 +194,7 @@ void Visibility::encode(Profile profile, PlanarScan& scan, bool with_intensities
       if (with_intensities) scan.intensities[beam] = intensity;
     }
   }
-  if (column_ == 0) return;
+  if (!has_columns_) return;
   scan.free_from.assign(beams(), 0);
   for (std::size_t beam = 0; beam < beams(); ++beam) {
     if (scan.statuses[beam] != BeamStatus::hit) continue;

@@ -121,7 +121,8 @@ class Visibility {
   float range_max_;   // m
   float open_;        // m that a beam without a hit must be free
   float approach_;    // m before a hit
-  float column_ = 0;  // and so much of its range: a column sees a slanting wall at one distance
+  bool has_columns_ = false;  // evidence of lidars that the caller fills in, in place of sweeps
+  float column_ = 0;  // m per m of range before a hit, beside that: a column sees a slanting wall at one distance
   Outlines outlines_;
   Crossings crossings_;
   RangeLayer nearest_;
