@@ -100,7 +100,8 @@ void Outlines::read_beams(const BeamRays& rays, const PlacedScan& sweep) {
   }
   for (const PlacedScan::Corner& corner : sweep.corners)
     beams_[clockwise ? n - 2 - corner.beam : corner.beam].corner = &corner.at;
-  for (const std::size_t i : sweep.lone_returns) pass_lone_return(sweep, i, clockwise ? n - 1 - i : i);
+  for (const PlacedScan::LoneReturn& lone : sweep.lone_returns)
+    if (!lone.thing) pass_lone_return(clockwise ? n - 1 - lone.beam : lone.beam);
 }
 
 void Outlines::place_beam(const BeamRays& rays, const PlacedScan& sweep, std::size_t i, float reach, Beam& b) {
@@ -131,10 +132,10 @@ void Outlines::place_beam(const BeamRays& rays, const PlacedScan& sweep, std::si
 
 /// Adds the free space behind a return that one beam alone met: what it hides is no wider than the space
 /// between the beams beside it.
-void Outlines::pass_lone_return(const PlacedScan& sweep, std::size_t i, std::size_t k) {
+void Outlines::pass_lone_return(std::size_t k) {
   const Beam &a = beams_[k - 1], &b = beams_[k], &c = beams_[k + 1];
   const float from = b.length + PlacedScan::lone_depth, to = std::min(a.length, c.length);
-  if (sweep.kind[i] == Return::nothing || !(to > from) || !(b.length > 0)) return;
+  if (!(to > from)) return;
   // A little more than what the return owns, so that nothing is left out in between.
   const float share = 1.01F * (1 - passed_share_);
   const float rx = b.ux + share * (a.ux - b.ux), ry = b.uy + share * (a.uy - b.uy);

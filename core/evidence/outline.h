@@ -100,7 +100,7 @@ class Outlines {
   void lead_along_border(const Beam& a, const Beam& b, Lead lead_to);
   void add_hidden(bool closed);
   void add_far_side(std::size_t first, std::size_t last);
-  void pass_lone_return(const PlacedScan& sweep, std::size_t i, std::size_t k);
+  void pass_lone_return(std::size_t k);
 
   // Of the source whose outlines are added.
   std::uint16_t source_ = 0;

@@ -8,6 +8,8 @@
 namespace lidard {
 namespace {
 
+constexpr float same_place = 0.1F;  // m, of a lone return in two sweeps
+
 /// Converts the beams of one scan to surfaces and free ranges.
 class Conditioner {
  public:
@@ -146,12 +148,19 @@ class Conditioner {
   }
 
   void find_lone_returns() {
+    sweep_.lone_before.swap(sweep_.lone_returns);
     sweep_.lone_returns.clear();
+    auto before = sweep_.lone_before.begin();
     for (std::size_t i = 1; i + 1 < sweep_.kind.size(); ++i) {
       if (sweep_.kind[i] != Return::surface || sweep_.linked[i - 1] != 0 || sweep_.linked[i] != 0) continue;
-      const float to = sweep_.free_to[i];
+      const float to = sweep_.free_to[i], range = sweep_.range[i];
       const float beside = std::min(sweep_.free_to[i - 1], sweep_.free_to[i + 1]);
-      if (to > 0 && beside >= to + PlacedScan::lone_depth) sweep_.lone_returns.push_back(i);
+      if (!(to > 0 && beside >= to + PlacedScan::lone_depth)) continue;
+      while (before != sweep_.lone_before.end() && before->beam + 1 < i) ++before;
+      bool thing = false;
+      for (auto at = before; at != sweep_.lone_before.end() && at->beam <= i + 1; ++at)
+        thing = thing || std::fabs(at->range - range) < same_place;
+      sweep_.lone_returns.push_back({i, range, thing});
     }
   }
 

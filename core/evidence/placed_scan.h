@@ -63,6 +63,16 @@ struct PlacedScan {
     float intensity;
   };
 
+  /// A return that one beam alone meets, while the beams on both sides pass at least `lone_depth` beyond: a
+  /// drop, dust, a leaf. It hides nothing wider than two spaces between beams. A return that was there in the
+  /// sweep before is a `thing`: a rod.
+  struct LoneReturn {
+    std::size_t beam;  ///< never the first or the last one
+    float range;       ///< m
+    bool thing;
+  };
+  static constexpr float lone_depth = 0.5F;  ///< m
+
   std::vector<float> range;  ///< m along the beam
   std::vector<Return> kind;
   std::vector<float> intensity;  ///< empty, or as long as range
@@ -72,10 +82,8 @@ struct PlacedScan {
   std::vector<char> linked;      ///< Link: beams i and i + 1 lie on one surface
   std::vector<float> free_from;  ///< m level from the source; the beam is free from here
   std::vector<float> free_to;    ///< to here; 0: no evidence
-  /// Beams whose returns hide nothing wider than two spaces between beams (drops, dust, leaves): the beams on
-  /// both sides pass at least `lone_depth` beyond. Never the first or the last beam.
-  std::vector<std::size_t> lone_returns;
-  static constexpr float lone_depth = 0.5F;  ///< m
+  std::vector<LoneReturn> lone_returns;
+  std::vector<LoneReturn> lone_before;  ///< of the sweep before
   std::vector<EarlyReturn> early_returns;
   /// Once a return has come from beyond the vehicle's outline, the beam passes the vehicle. Clear it when the
   /// scanner's rays change.

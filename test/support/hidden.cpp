@@ -120,10 +120,13 @@ void merge(const HidingCase& set_up, const FlatWorld& world, Rng& rng, HidingSce
   const Pose output = make_pose({set_up.at.x(), set_up.at.y(), 0}, {0, 0, 0}).inverse();
   merger.set_footprint(body().transformed(output));
   PlanarScan scan;
-  for (std::size_t s = 0; s < scanners.size(); ++s) {
-    scanners[s].measure(world, rng, scan);
-    scan.stamp = Stamp{1'700'000'000'000'000'000};
-    merger.add(s, scan, output * scanners[s].pose());
+  // In the second sweep a rod that one beam meets is no drop.
+  for (const Stamp at : {Stamp{1'699'999'999'950'000'000}, Stamp{1'700'000'000'000'000'000}}) {
+    for (std::size_t s = 0; s < scanners.size(); ++s) {
+      scanners[s].measure(world, rng, scan);
+      scan.stamp = at;
+      merger.add(s, scan, output * scanners[s].pose());
+    }
   }
   PlanarScan strict, safety;
   merger.merge({Stamp{1'700'000'000'100'000'000}, nullptr}, std::vector<char>(scanners.size(), 1),

@@ -82,7 +82,7 @@ class Alone {
     const ScanGrid grid = *make_grid(spec);
     Visibility visibility(grid, how, 1);
     visibility.begin();
-    add_ring(visibility, {0, 0}, std::vector<Piece>(360, {from, to}));
+    add_ring(visibility, {0, 0}, std::vector<Piece>(3600, {from, to}));
     for (float& range : visibility.surfaces().range) range = 20;
     visibility.compute();
     state = visibility.state(77);

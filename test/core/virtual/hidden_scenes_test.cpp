@@ -165,7 +165,7 @@ TEST(HiddenScenes, AHigherThingBehindAWallIsNotItsTop) {
       // At the very corner of the second thing, and where noise hides the bend.
       const HidingScene::Seen seen = scene.seen(1.2);
       EXPECT_GT(seen.solid, 150);
-      EXPECT_LE(seen.overlooked, noise > 0 ? 12 : 1) << yaw_deg << " deg, noise " << noise;
+      EXPECT_LE(seen.overlooked, noise > 0 ? 12 : 2) << yaw_deg << " deg, noise " << noise;
     }
   }
 }
