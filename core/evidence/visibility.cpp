@@ -25,7 +25,7 @@ Visibility::Visibility(const ScanGrid& grid, const VisibilitySettings& settings,
       states_(grid.beams, BeamState::unobserved),
       covered_(grid.beams, 0),
       body_at_(grid.beams, infinite),
-      blind_to_(grid.beams, 0) {
+      blind_to_(grid.beams, 0), from_behind_(grid.beams,0) {
   const double asked = settings_.free_required > 0 ? settings_.free_required : grid.range_max;
   open_ = std::min(static_cast<float>(asked), range_max_);
   for (std::size_t s = 0; s < sources * kinds; ++s) kind_of_[s] = static_cast<Kind>(s % kinds);
@@ -112,8 +112,9 @@ void Visibility::cross(Walk& walk, const Crossings::Crossing& crossing) {
 
 /// A part of a stretch that no source sees.
 void Visibility::pass_unseen(Walk& walk, float from, float to) const {
-  if (walk.hidden == 0 || to - from <= rounding) return;
-  float nearest = infinite;
+  const bool is_front = walk.free[front] > 0;
+  if ((walk.hidden == 0 && !is_front) || to - from <= rounding) return;
+  float nearest = is_front ? 0 : infinite;
   for (const Layers& layers : layers_) {
     if (layers.hidden > 0) nearest = std::min(nearest, layers.behind);
   }
@@ -130,11 +131,11 @@ void Visibility::end_unseen(Walk& walk, float to) {
         std::max(static_cast<float>(settings_.gap), static_cast<float>(settings_.gap_share) * to);
     walk.unseen += to - stretch.from;
     accepted = walk.has_hit && to - stretch.from <= most && walk.unseen <= 2 * most;
-  } else if (stretch.behind <= static_cast<float>(settings_.gap)) {
+  } else if (stretch.behind <= static_cast<float>(settings_.gap) / 2) {
     body_at_[walk.beam] = std::min(body_at_[walk.beam], stretch.hidden_from);
   }
   if (accepted) return;
-  if (walk.covered) covered_[walk.beam] = stretch.from;
+  covered_[walk.beam] = stretch.from;
   walk.covered = false;
 }
 
@@ -142,6 +143,7 @@ BeamState Visibility::decide(std::size_t beam) {
   Walk walk{beam, has_hit(beam), open_};
   if (walk.has_hit) walk.end = nearest_.range[beam] * (1 - column_) - approach_;
   body_at_[beam] = infinite;
+  from_behind_[beam]=0;
   blind_to_[beam] = 0;
   covered_[beam] = std::max(walk.end, 0.0F);
   begin_walk(walk);
@@ -152,13 +154,15 @@ BeamState Visibility::decide(std::size_t beam) {
     at = to;
   };
   for (const Crossings::Crossing& crossing : crossings_.of(beam)) {
-    if (crossing.at >= walk.end || (!walk.covered && !walk.has_hit)) break;
+    if (crossing.at >= walk.end || !walk.covered) break;
     pass(crossing.at);
     cross(walk, crossing);
   }
   if (walk.end > at && walk.covered) {
     pass(walk.end);
     if (!walk.is_free()) end_unseen(walk, walk.end);
+    // What is seen from its other side alone says nothing of the side of the beam.
+    from_behind_[beam] = !walk.is_free() && walk.stretch.hidden_from < infinite && walk.end-walk.stretch.hidden_from>(float)settings_.gap;
   }
   if (!walk.has_hit) return walk.covered ? BeamState::free : BeamState::unobserved;
   if (!walk.covered) return BeamState::gap;
@@ -182,7 +186,7 @@ void Visibility::encode(Profile profile, PlanarScan& scan, bool with_intensities
         range = body_at_[beam];
         intensity = 0;
       }
-      hit = range <= scan.range_max;
+      hit = range <= scan.range_max && !(from_behind_[beam] && range==nearest_.range[beam]);
       free = free && !hit;
     }
     if (free) scan.set_without_hit(beam, BeamStatus::none);

@@ -42,8 +42,9 @@ class Visibility {
   /// What the free space of an outline means. `seen`: something would have been met there. `blind`: no beam
   /// of a lidar can look there; a surface counts although the way to it leads through, but no beam is free
   /// that does. `over`: beams lead over it, and what hides it is likely lower than the plane: it proves
-  /// nothing, but holds no body either.
-  enum Kind : std::uint8_t { seen, blind, over, kinds };
+  /// nothing, but holds no body either. `front`: blind, and somewhere in it begins a thing of which the lidar
+  /// meets the top alone.
+  enum Kind : std::uint8_t { seen, blind, over, front, kinds };
 
   /// For sweeps of `sources` scanners, or for the evidence of so many lidars that the caller fills in.
   Visibility(const ScanGrid& grid, const VisibilitySettings& settings, std::size_t sources);
@@ -133,6 +134,7 @@ class Visibility {
   std::vector<float> covered_;
   std::vector<float> body_at_;   // m to where the way leads into the space behind a return; infinite: nowhere
   std::vector<float> blind_to_;  // m to the end of the way that no beam can see
+  std::vector<char> from_behind_;
 };
 
 }  // namespace lidard

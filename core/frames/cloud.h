@@ -98,6 +98,12 @@ struct ReturnOrigin {
   Stamp stamp;             ///< firing time on the host's time scale
 };
 
+/// Where the beams of a ring point.
+struct RingDirection {
+  double elevation;  ///< rad above the sensor's x-y plane
+  double ahead;      ///< rad ahead of the azimuth of a column, as the sensor counts it
+};
+
 /// One frame (revolution) of a multi-plane lidar, in the sensor's ROS frame.
 ///
 /// The points stand in firing order, so column c holds points [columns[c].first_point, columns[c +
@@ -121,6 +127,10 @@ struct Cloud {
   /// Rows of an organised cloud (CloudArranger), in which missing returns are NaN; 0: a list, as drivers make
   /// clouds.
   std::uint32_t height = 0;
+
+  /// By ring, as the model's table or the calibration has them; empty: they are not known. A ring proves what
+  /// its beams pass although it has not returned yet.
+  std::vector<RingDirection> directions;
 
   std::size_t size() const { return points_bytes.size() / sizeof(CloudPoint); }
   const CloudPoint* points() const { return reinterpret_cast<const CloudPoint*>(points_bytes.data()); }

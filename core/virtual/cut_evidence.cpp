@@ -19,6 +19,7 @@ constexpr float level_enough = 0.02F;
 constexpr float same_border = 0.03F;
 constexpr float in_plane = 0.001F;  // m
 constexpr float shortest = 0.002F;  // m; a shorter piece is a point
+constexpr std::array every_kind = {Visibility::seen, Visibility::blind, Visibility::over, Visibility::front};
 // Columns without any beam that may lie between two of one strip.
 constexpr std::size_t most_silent = 1;
 
@@ -122,7 +123,16 @@ void CutEvidence::add_blind(std::size_t lowest) {
   const Ray along = ray(lowest);
   const End end = end_at(lowest);
   const bool ends = end.at < along.at && end.hides;
-  add(Visibility::blind, 0, along, lowest, {ends ? end.at : std::max(along.at, looked_from_), ends});
+  add(ends && !shows_face(lowest) ? Visibility::front : Visibility::blind, 0, along, lowest,
+      {ends ? end.at : std::max(along.at, looked_from_), ends});
+}
+
+/// True if the next beam of the column meets a steep surface with beam i. The top of a thing whose front is in
+/// the blind zone says nothing of the front.
+bool CutEvidence::shows_face(std::size_t i) const {
+  const std::size_t ring = i % rings_, next = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(i) + step_);
+  if ((step_ > 0 ? ring + 1 == rings_ : ring == 0) || view_->grid().kind[next] != Beam::point) return false;
+  return std::fabs(end_of(next) - end_of(i)) < std::fabs(above(next) - above(i));
 }
 
 /// m to the nearest object of a column between the heights of the band.
@@ -219,7 +229,7 @@ bool CutEvidence::are_joined(const Piece& a, const Piece& b, Visibility::Kind ki
 
 /// True if the free space of two columns has a straight border.
 bool CutEvidence::is_straight(const Piece& a, const Piece& b, Visibility::Kind kind) const {
-  if (kind == Visibility::blind && !a.way.hides && !b.way.hides) return true;
+  if (kind != Visibility::seen && !a.way.hides && !b.way.hides) return true;
   const float near = std::min(a.way.length, b.way.length);
   if (std::fabs(a.way.length - b.way.length) <= same_border * near) return true;
   return a.way.hides && b.way.hides && a.last + rings_ == b.last && view_->links().level_at(a.last);
@@ -277,6 +287,10 @@ void CutEvidence::join_column(Visibility::Kind kind) {
   end_strips(kind);
 }
 
+void CutEvidence::join_column() {
+  for (const Visibility::Kind kind : every_kind) join_column(kind);
+}
+
 /// Ends the strips that do not go on in the current column.
 void CutEvidence::end_strips(Visibility::Kind kind) {
   Strips& strips = strips_[kind];
@@ -299,8 +313,8 @@ void CutEvidence::end_strips(Visibility::Kind kind) {
 void CutEvidence::close_circle() {
   side_ = Outlines::Side::joined;
   find_column(0);
-  for (const Visibility::Kind kind : {Visibility::seen, Visibility::blind, Visibility::over}) {
-    join_column(kind);
+  join_column();
+  for (const Visibility::Kind kind : every_kind) {
     Strips& strips = strips_[kind];
     for (std::size_t s = 0; s < strips.count; ++s) {
       Strip& strip = strips.open[s];
@@ -330,16 +344,16 @@ void CutEvidence::find(const PlaneView& view, const PlaneTops& tops, HeightBand 
   // While the vehicle drives a whole turn lies between the last column and the first one.
   const bool closes = !grid.moved;
   side_ = closes ? Outlines::Side::joined : Outlines::Side::open;
-  constexpr std::array all = {Visibility::seen, Visibility::blind, Visibility::over};
+  
   std::size_t silent = 0;
   for (std::size_t c = 0; c < grid.columns(); ++c) {
     silent = find_column(c) ? 0 : silent + 1;
     if (silent > 0 && silent <= most_silent) continue;
-    for (const Visibility::Kind kind : all) join_column(kind);
+    join_column();
     side_ = Outlines::Side::open;
   }
   if (closes) return close_circle();
-  for (const Visibility::Kind kind : all) join_column(kind);
+  join_column();
 }
 
 }  // namespace lidard

@@ -139,7 +139,7 @@ void RingGrid::open_column(std::size_t column, double azimuth) {
 }
 
 void RingGrid::organise_columns(const Cloud& cloud, const CloudMotion* motion) {
-  table_.set_rings(cloud.rings);
+  table_.set_rings(cloud);
   table_.learn(cloud, true);
   number_columns(cloud);
   number_shifts();

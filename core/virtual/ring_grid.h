@@ -13,11 +13,12 @@
 
 namespace lidard {
 
-/// Directions of the beams of a multi-plane lidar, learnt from its returns, for beams without return.
+/// Directions of the beams of a multi-plane lidar, for beams without return: those of the cloud, as long as
+/// its returns do not show others.
 class RingTable {
  public:
   /// Resets the table when the number of rings changes.
-  void set_rings(std::size_t rings);
+  void set_rings(const Cloud& cloud);
   /// Learns from a part of a cloud's returns (from all of the first cloud). `with_offsets`: the columns have
   /// azimuths, counted clockwise.
   void learn(const Cloud& cloud, bool with_offsets);

@@ -28,10 +28,13 @@ float elevation_of(const CloudPoint& p) { return fast_atan2(p.z, std::sqrt(p.x *
 
 }  // namespace
 
-void RingTable::set_rings(std::size_t rings) {
-  if (rings == rings_.size()) return;
-  rings_.assign(rings, {});
+void RingTable::set_rings(const Cloud& cloud) {
+  if (cloud.rings == rings_.size()) return;
+  rings_.assign(cloud.rings, {});
   clouds_ = 0;
+  // They count as one return.
+  for (std::size_t r = 0; r < std::min(rings_.size(), cloud.directions.size()); ++r)
+    rings_[r] = {cloud.directions[r].elevation, cloud.directions[r].ahead, 1};
 }
 
 void RingTable::add(const Cloud& cloud, std::size_t begin, std::size_t end, const CloudColumn* column) {
@@ -126,7 +129,7 @@ std::uint16_t nearest_ring(const std::vector<float>& elevations, const CloudPoin
 bool RingGrid::number_rings(const Cloud& cloud) {
   if (cloud.rings > 1) {
     found_.clear();
-    table_.set_rings(cloud.rings);
+    table_.set_rings(cloud);
     table_.learn(cloud, false);
     rings_ = cloud.rings;
     elevations_.resize(rings_);

@@ -10,6 +10,7 @@
 #include "core/base/time.h"
 #include "core/frames/revolution.h"
 #include "drivers/driver.h"
+#include "drivers/velodyne/calibration.h"
 #include "drivers/velodyne/unpacker.h"
 
 namespace lidard::velodyne {
@@ -30,6 +31,7 @@ class CloudBuilder {
     cloud_.rings = static_cast<std::uint16_t>(row.lasers);
     cloud_.bank_by_bank = row.bank_by_bank;
     cloud_.max_range = config.max_range;
+    find_directions(config.calibration ? *config.calibration : table_of(row));
   }
 
   Unpacker& unpacker() { return unpacker_; }
@@ -90,6 +92,14 @@ class CloudBuilder {
   void set_echoes(std::size_t echoes) { echoes_ = echoes; }
 
  private:
+  void find_directions(const Calibration& calibration) {
+    const std::vector<std::uint16_t> rings = rings_by_elevation(calibration);
+    cloud_.directions.resize(rings.size());
+    for (std::size_t laser = 0; laser < rings.size(); ++laser) {
+      const LaserCalibration& angles = calibration.lasers[laser];
+      cloud_.directions[rings[laser]] = {angles.vert_correction, -angles.rot_correction};
+    }
+  }
   /// A frame ends after this time: RevolutionCutter's limit.
   static constexpr Span longest_turn = std::chrono::milliseconds(1500);
   /// At 600 rpm.
@@ -115,7 +125,10 @@ class CloudBuilder {
     cloud_.origins.clear();
     cloud_.too_near.clear();
     points_ = 0;
-    if (fresh_) unpacker_.set_calibration(*std::exchange(fresh_, nullptr));
+    if (fresh_) {
+      unpacker_.set_calibration(*fresh_);
+      find_directions(*std::exchange(fresh_, nullptr));
+    }
     if (wanted_) apply(*std::exchange(wanted_, std::nullopt));
     reserve_revolution();
     unpacker_.reserve_packet(cloud_);
