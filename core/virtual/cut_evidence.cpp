@@ -123,16 +123,11 @@ void CutEvidence::add_blind(std::size_t lowest) {
   const Ray along = ray(lowest);
   const End end = end_at(lowest);
   const bool ends = end.at < along.at && end.hides;
-  add(ends && !shows_face(lowest) ? Visibility::front : Visibility::blind, 0, along, lowest,
+  const std::size_t next = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(lowest) + step_);
+  const bool has_next = step_ > 0 ? lowest % rings_ + 1 < rings_ : lowest % rings_ > 0;
+  const bool top_alone = ends && has_next && tops_->verdicts()[next] == PlaneTops::top_alone;
+  add(top_alone ? Visibility::front : Visibility::blind, 0, along, lowest,
       {ends ? end.at : std::max(along.at, looked_from_), ends});
-}
-
-/// True if the next beam of the column meets a steep surface with beam i. The top of a thing whose front is in
-/// the blind zone says nothing of the front.
-bool CutEvidence::shows_face(std::size_t i) const {
-  const std::size_t ring = i % rings_, next = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(i) + step_);
-  if ((step_ > 0 ? ring + 1 == rings_ : ring == 0) || view_->grid().kind[next] != Beam::point) return false;
-  return std::fabs(end_of(next) - end_of(i)) < std::fabs(above(next) - above(i));
 }
 
 /// m to the nearest object of a column between the heights of the band.

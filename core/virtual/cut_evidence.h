@@ -94,7 +94,6 @@ class CutEvidence {
   End thing_at(std::size_t last, std::size_t next) const;
   void add(Visibility::Kind kind, float from, const Ray& first, std::size_t along, End end);
   void add_blind(std::size_t lowest);
-  bool shows_face(std::size_t i) const;
   float wall_in_band(std::size_t column) const;
   float whole_band_from(std::size_t column) const;
 

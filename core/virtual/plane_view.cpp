@@ -212,14 +212,14 @@ PlaneTops::Shape PlaneTops::shape_of(const PlaneView& view, std::size_t ring, co
     const Eigen::Vector3d terms(1, azimuth, azimuth * azimuth);
     normal += terms * terms.transpose();
     sum += terms * static_cast<double>(beyond);
-    const bool below_plane =
-        (view.sides()[i + 1] & (PlaneView::below | PlaneView::on_ground)) == PlaneView::below;
+    const std::uint8_t side = run.top >= 0 ? PlaneView::above_it : PlaneView::below;
+    const bool same_side = (view.sides()[i + 1] & (PlaneView::both_sides | PlaneView::on_ground)) == side;
     // The return behind may belong to another thing, unless both lie on one level, or the beam passes so low
     // that the nearer thing hardly reaches the plane.
     const float rise = ground.height[i + 1] - ground.height[i];
     const bool may_be_top = rise > -flat_slack && (rise < flat_slack || passing_over(view, i + 1) < flush) &&
                             (ring + 1 >= grid.rings() || steps_[i + 2] == step);
-    tops += below_plane && may_be_top && view.distance(i + 1) - view.distance(i) < deepest_top ? 1.0F : 0.0F;
+    tops += same_side && may_be_top && view.distance(i + 1) - view.distance(i) < deepest_top ? 1.0F : 0.0F;
     if (ring < 2 || grid.kind[i - 1] != Beam::point) continue;
     faces += std::fabs(view.distance(i - 1) - view.distance(i)) < slack ? 1.0F : 0.0F;
   }
@@ -238,19 +238,22 @@ PlaneTops::Shape PlaneTops::shape_of(const PlaneView& view, std::size_t ring, co
 void PlaneTops::judge(const PlaneView& view, std::size_t ring, const Run& run) {
   const float room = run.passing - run.top;
   const bool above = run.top >= 0;
-  const Shape shape = above ? Shape::uneven : shape_of(view, ring, run);
+  // A higher thing matters where no beam can meet its front.
+  const Shape shape = above && ring > 1 ? Shape::uneven : shape_of(view, ring, run);
   Verdict verdict = none;
-  if (shape == Shape::top)
+  if (above)
+    verdict = ring == 1 && (shape == Shape::top || shape == Shape::top_or_face) ? top_alone : reaches;
+  else if (shape == Shape::top)
     verdict = stays_below;
   else if (shape == Shape::face)
     verdict = none;
-  else if (shape == Shape::top_or_face || (!above && -run.top > (1 - likely_reach) * room))
+  else if (shape == Shape::top_or_face || -run.top > (1 - likely_reach) * room)
     verdict = likely_below;
-  else if (above || -run.top < likely_reach * room)
+  else if (-run.top < likely_reach * room)
     verdict = reaches;
   for (std::size_t c = run.first; c < run.end; ++c) {
     const std::size_t i = view.grid().index(c, ring);
-    if (shape == Shape::face) steps_[i] = over_face;
+    if (shape == Shape::face && !above) steps_[i] = over_face;
     if (verdicts_[i] != hides) verdicts_[i] = verdict;
   }
   // Where the beam above dips beneath the plane the thing ends below it, and so does what is near.

@@ -103,7 +103,7 @@ class PlaneTops {
  public:
   /// Result for a beam and the one below it. `hides`: the object that the upper beam hits may extend down to
   /// the plane behind the object that the lower beam hits.
-  enum Verdict : std::uint8_t { none = 0, reaches = 1, stays_below = 2, hides = 3, likely_below = 4 };
+  enum Verdict : std::uint8_t { none = 0, reaches = 1, stays_below = 2, hides = 3, likely_below = 4, top_alone = 5 };
 
   void find(const PlaneView& view);
   /// By RingGrid::index() of the upper beam.
