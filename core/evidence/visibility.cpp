@@ -25,7 +25,8 @@ Visibility::Visibility(const ScanGrid& grid, const VisibilitySettings& settings,
       states_(grid.beams, BeamState::unobserved),
       covered_(grid.beams, 0),
       body_at_(grid.beams, infinite),
-      blind_to_(grid.beams, 0), from_behind_(grid.beams,0) {
+      blind_to_(grid.beams, 0),
+      from_behind_(grid.beams, 0) {
   const double asked = settings_.free_required > 0 ? settings_.free_required : grid.range_max;
   open_ = std::min(static_cast<float>(asked), range_max_);
   for (std::size_t s = 0; s < sources * kinds; ++s) kind_of_[s] = static_cast<Kind>(s % kinds);
@@ -114,7 +115,7 @@ void Visibility::cross(Walk& walk, const Crossings::Crossing& crossing) {
 void Visibility::pass_unseen(Walk& walk, float from, float to) const {
   const bool is_front = walk.free[front] > 0;
   if ((walk.hidden == 0 && !is_front) || to - from <= rounding) return;
-  float nearest = is_front ? 0 : infinite;
+  float nearest = infinite;
   for (const Layers& layers : layers_) {
     if (layers.hidden > 0) nearest = std::min(nearest, layers.behind);
   }
@@ -143,7 +144,7 @@ BeamState Visibility::decide(std::size_t beam) {
   Walk walk{beam, has_hit(beam), open_};
   if (walk.has_hit) walk.end = nearest_.range[beam] * (1 - column_) - approach_;
   body_at_[beam] = infinite;
-  from_behind_[beam]=0;
+  from_behind_[beam] = 0;
   blind_to_[beam] = 0;
   covered_[beam] = std::max(walk.end, 0.0F);
   begin_walk(walk);
@@ -161,8 +162,12 @@ BeamState Visibility::decide(std::size_t beam) {
   if (walk.end > at && walk.covered) {
     pass(walk.end);
     if (!walk.is_free()) end_unseen(walk, walk.end);
-    // What is seen from its other side alone says nothing of the side of the beam.
-    from_behind_[beam] = !walk.is_free() && walk.stretch.hidden_from < infinite && walk.end-walk.stretch.hidden_from>(float)settings_.gap;
+    // What is hidden as far as the surface says nothing of the side of the beam, unless the thing is thin.
+    const float hidden_from = walk.stretch.hidden_from;
+    if (!walk.is_free() && walk.free[front] > 0)
+      body_at_[beam] = std::min(body_at_[beam], hidden_from);
+    else if (!walk.is_free() && walk.end - hidden_from > static_cast<float>(settings_.gap))
+      from_behind_[beam] = 1;
   }
   if (!walk.has_hit) return walk.covered ? BeamState::free : BeamState::unobserved;
   if (!walk.covered) return BeamState::gap;
@@ -186,7 +191,7 @@ void Visibility::encode(Profile profile, PlanarScan& scan, bool with_intensities
         range = body_at_[beam];
         intensity = 0;
       }
-      hit = range <= scan.range_max && !(from_behind_[beam] && range==nearest_.range[beam]);
+      hit = range <= scan.range_max && (from_behind_[beam] == 0 || range < nearest_.range[beam]);
       free = free && !hit;
     }
     if (free) scan.set_without_hit(beam, BeamStatus::none);

@@ -134,7 +134,7 @@ class Visibility {
   std::vector<float> covered_;
   std::vector<float> body_at_;   // m to where the way leads into the space behind a return; infinite: nowhere
   std::vector<float> blind_to_;  // m to the end of the way that no beam can see
-  std::vector<char> from_behind_;
+  std::vector<char> from_behind_;  // the surface is seen from its other side alone
 };
 
 }  // namespace lidard
