@@ -27,6 +27,8 @@ struct SourceSettings {
   /// Free range that a beam without return proves, m; infinite: the scan's range_max.
   double no_return_free_range = std::numeric_limits<double>::infinity();
   bool veil_filter = true;
+  /// False: surfaces count where this source sees the way, but no beam is free that it alone sees.
+  bool proves_free = true;
 
   /// True if hit `i` of a scan lies in the windows of range and angle.
   bool wants(const PlanarScan& scan, std::size_t i) const {

@@ -18,6 +18,7 @@ Visibility::Visibility(const ScanGrid& grid, const VisibilitySettings& settings,
     : settings_(settings),
       raster_(grid),
       rays_(sources),
+      sweep_kinds_(sources, seen),
       range_max_(static_cast<float>(grid.range_max)),
       approach_(static_cast<float>(std::max(settings.approach, 5 * settings.noise))),
       kind_of_(sources * kinds + 2, seen),
@@ -59,7 +60,7 @@ void Visibility::compute(const std::vector<const PlacedScan*>& sweeps) {
   for (std::size_t s = 0; s < sweeps.size(); ++s) {
     if (sweeps[s] == nullptr) continue;
     const BeamRays& rays = rays_[s];
-    outlines(s, seen, std::abs(rays.increment), rays.pose.translation().norm()).add_sweep(rays, *sweeps[s]);
+    outlines(s, sweep_kinds_[s], std::abs(rays.increment), rays.pose.translation().norm()).add_sweep(rays, *sweeps[s]);
     raster_.draw(*sweeps[s], nearest_);
     raster_.draw_mixed_pixels(*sweeps[s], mixed_pixels_);
   }

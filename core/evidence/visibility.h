@@ -56,6 +56,8 @@ class Visibility {
   void set_former(const std::optional<Pose>& former_from_now) { former_from_now_ = former_from_now; }
   /// Sets the beams of a source; call it once and whenever the source's mount changes.
   void set_source(std::size_t source, const BeamRays& rays) { rays_[source] = rays; }
+  /// What the sweeps of a source prove: `seen` unless set.
+  void set_kind(std::size_t source, Kind kind) { sweep_kinds_[source] = kind; }
   /// Computes from the newest sweep of every source; nullptr: the source has none.
   void compute(const std::vector<const PlacedScan*>& sweeps);
 
@@ -117,6 +119,7 @@ class Visibility {
   VisibilitySettings settings_;
   Raster raster_;
   std::vector<BeamRays> rays_;
+  std::vector<Kind> sweep_kinds_;
   Footprint body_;
   std::optional<Pose> former_from_now_;
   float range_max_;   // m

@@ -14,7 +14,10 @@ Merger::Merger(const ScanGrid& grid, HeightBand band, std::size_t sources, const
       newest_sweeps_(sources, nullptr),
       sources_(sources) {
   report_.sources.assign(sources, SourceUse::not_used);
-  if (settings.visibility) visibility_.emplace(grid, settings.how, sources);
+  if (!settings.visibility) return;
+  visibility_.emplace(grid, settings.how, sources);
+  for (std::size_t s = 0; s < sources; ++s)
+    if (!settings_of(s).proves_free) visibility_->set_kind(s, Visibility::blind);
 }
 
 void Merger::set_footprint(const Footprint& footprint) {

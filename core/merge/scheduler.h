@@ -54,6 +54,11 @@ class Scheduler {
   double period(std::size_t source) const { return sources_[source].period; }
   /// Age of the last ray of the source's newest sweep.
   Span age(std::size_t source, Stamp now) const { return now - sources_[source].end; }
+  /// s by which the sweeps of the source come later than a period after their last ray: so much the deadline
+  /// must exceed for the source to be waited for.
+  double lateness(std::size_t source) const {
+    return sources_[source].delay - std::min(sources_[source].delay, sources_[source].period);
+  }
   /// How long to wait for a late sweep.
   Span deadline() const;
   /// Number of outputs that were made without a stale source.

@@ -44,28 +44,31 @@ LIDARD_CLONES void CutEvidence::mark_beams() {
   find_lone_returns();
 }
 
-LIDARD_CLONES void CutEvidence::find_lone_returns() {
+void CutEvidence::find_lone_returns() {
   const RingGrid& grid = view_->grid();
   const std::size_t cells = marks_.size(), rings = rings_;
-  lone_.clear();
-  if (grid.columns() < 3) return;
   const float* const range = grid.range.data();
-  const std::uint8_t* const marks = marks_.data();
-  const auto passes = [&](std::size_t beside, float beyond) {
-    return (marks[beside] & known) != 0 && range[beside] > beyond;
+  // Of two beams on one side the one that passes; two drops may be neighbours.
+  const auto passing = [&](std::size_t near, std::size_t far, float beyond) {
+    for (const std::size_t i : {near, far})
+      if (i < cells && (marks_[i] & known) != 0 && range[i] > beyond) return i;
+    return cells;
   };
+  lone_.clear();
   for (std::size_t i = rings; i + rings < cells; ++i) {
     const float beyond = range[i] + PlacedScan::lone_depth;
-    // Few beams get beyond the first comparison.
-    if (!(range[i - rings] > beyond && range[i + rings] > beyond)) continue;
-    if (grid.kind[i] != Beam::point || !passes(i - rings, beyond) || !passes(i + rings, beyond)) continue;
+    // Few beams get beyond the first comparisons.
+    if (grid.kind[i] != Beam::point) continue;
+    const std::size_t before = passing(i - rings, i - 2 * rings, beyond);
+    if (before == cells) continue;
+    const std::size_t after = passing(i + rings, i + 2 * rings, beyond);
+    if (after == cells) continue;
     const std::size_t ring = i % rings;
-    if (ring > 0 && !passes(i - 1, beyond)) continue;
-    if (ring + 1 < rings && !passes(i + 1, beyond)) continue;
-    lone_.push_back({i, range[i - rings] < range[i + rings] ? i - rings : i + rings});
+    if (ring > 0 && passing(i - 1, ring > 1 ? i - 2 : cells, beyond) == cells) continue;
+    if (ring + 1 < rings && passing(i + 1, ring + 2 < rings ? i + 2 : cells, beyond) == cells) continue;
+    lone_.push_back({i, range[before] < range[after] ? before : after});
   }
-  for (const Lone& one : lone_)
-    marks_[one.beam] = static_cast<std::uint8_t>(marks_[one.shown_by] | lone);
+  for (const Lone& one : lone_) marks_[one.beam] = static_cast<std::uint8_t>(marks_[one.shown_by] | lone);
 }
 
 /// The beam whose end counts for beam i: of a lone return, one beside it.

@@ -27,8 +27,8 @@ namespace lidard {
 /// object, the piece is free up to the object. The part nearer than the nearest crossing and the nearest
 /// object is blind: no beam can see it. Pieces of neighbouring columns that overlap are one outline.
 ///
-/// A lone return (a drop, a leaf), with the beams beside it in its ring and in its column all going on far
-/// beyond, hides nothing: its beam counts as the nearer one of the two beside it in the ring.
+/// A lone return (a drop, a leaf), beside which on all four sides, in its ring and in its column, one of the
+/// next two beams goes on far beyond, hides nothing: its beam counts as the nearer one of those in the ring.
 class CutEvidence {
  public:
   /// Adds the outlines of a lidar's evidence for the view's plane; `tops` belong to that plane. Free pieces

@@ -14,6 +14,7 @@ namespace {
 // A step of more than this number of usual steps spans missing columns.
 constexpr double gap_steps = 1.6;
 constexpr std::size_t fewest_columns = 8;
+constexpr double most_lead = 0.35;  // rad; at 10 Hz a vehicle that turns with 3.5 rad/s
 constexpr std::uint32_t nowhere = 0xFFFFFFFFU;
 
 // Stands for the step between two returns of one firing.
@@ -100,7 +101,71 @@ void RingGrid::clear_grid(std::size_t columns, std::size_t rings) {
   std::fill(times_.begin(), times_.end(), 0.0F);
 }
 
-void RingGrid::number_columns(const Cloud& cloud) {
+/// A revolution of a lidar on a vehicle that turns with it leaves a wedge open: it is a full turn over the
+/// lidar, not over the ground. The last columns of the revolution before close the wedge, and come before the
+/// first column. Returns their number.
+std::size_t RingGrid::lead(const Cloud& cloud, const CloudMotion& motion) const {
+  // The beams of other lidars lie in columns that other firings fill.
+  if (!straight_ || tail_.columns.empty() || tail_.rings != cloud.rings) return 0;
+  const CloudColumn &last = tail_.columns.back(), &first = cloud.columns.front();
+  const Span between = (cloud.columns.back().stamp - first.stamp) / static_cast<std::int64_t>(cloud.columns.size());
+  const double step = azimuth_step(last, first);
+  if (!(step > 0 && step < 2.5 * step_) || first.stamp < last.stamp || first.stamp - last.stamp > 5 * between)
+    return 0;
+  const Pose turned = motion.at(0) * motion.at(seconds(cloud.end - cloud.stamp)).inverse();
+  const double wedge = std::fabs(std::atan2(turned.linear()(1, 0), turned.linear()(0, 0)));
+  constexpr double slack = 0.01;  // rad, of a vehicle that drives
+  return static_cast<std::size_t>(std::min(wedge + slack, most_lead) / step_);
+}
+
+void RingGrid::fill_lead(std::size_t lead, const CloudMotion& motion) {
+  const Pose move = motion.at(0);
+  const std::uint64_t own = own_returns;  // they were counted
+  std::vector<std::size_t>& places = tail_places_;
+  places.assign(tail_.columns.size(), columns_);
+  double turned = step_ / 2;
+  for (std::size_t c = tail_.columns.size(); c-- > 0;) {
+    const CloudColumn& column = tail_.columns[c];
+    if (c + 1 < tail_.columns.size() && !same_firing(column, tail_.columns[c + 1]))
+      turned += azimuth_step(column, tail_.columns[c + 1]);
+    const auto back = static_cast<std::size_t>(turned / step_);
+    if (back >= lead) continue;
+    places[c] = lead - 1 - back;
+    if (fired_[places[c]] == 0) open_column(places[c], static_cast<double>(column.azimuth));
+  }
+  for (std::size_t c = 0; c < places.size(); ++c) {
+    if (places[c] == columns_) continue;
+    times_[places[c]] = static_cast<float>(seconds(tail_.columns[c].stamp - tail_.stamp));
+    fill_column(tail_, c, places[c], &move);
+  }
+  for (const NearReturn& near : tail_.too_near) {
+    if (places[near.column] != columns_) mark_too_near(near, places[near.column]);
+  }
+  own_returns = own;
+}
+
+/// Keeps the last columns of a cloud for the next one.
+void RingGrid::keep_tail(const Cloud& cloud) {
+  tail_.clear();
+  tail_.rings = cloud.rings;
+  std::size_t first = cloud.columns.size();
+  for (double turned = 0; first > 0 && turned < most_lead; --first)
+    turned += turns_[first - 1] == no_step ? 0 : turns_[first - 1];
+  if (first == cloud.columns.size()) return;
+  const std::uint32_t point = cloud.columns[first].first_point;
+  tail_.points_bytes.assign(
+      cloud.points_bytes.begin() + static_cast<std::ptrdiff_t>(point * sizeof(CloudPoint)),
+      cloud.points_bytes.end());
+  tail_.columns.assign(cloud.columns.begin() + static_cast<std::ptrdiff_t>(first), cloud.columns.end());
+  for (CloudColumn& column : tail_.columns) column.first_point -= point;
+  for (NearReturn near : cloud.too_near) {
+    if (near.column < first) continue;
+    near.column -= static_cast<std::uint32_t>(first);
+    tail_.too_near.push_back(near);
+  }
+}
+
+void RingGrid::number_columns(const Cloud& cloud, std::size_t lead) {
   places_.resize(cloud.columns.size());
   double turned = 0;
   std::size_t place = 0;
@@ -116,11 +181,11 @@ void RingGrid::number_columns(const Cloud& cloud) {
         place += step > 1.5 * step_ ? static_cast<std::size_t>(std::lround(step / step_)) : 1;
       }
     }
-    places_[c] = beyond > 0 ? nowhere : static_cast<std::uint32_t>(place);
+    places_[c] = beyond > 0 ? nowhere : static_cast<std::uint32_t>(lead + place);
   }
   misplaced += beyond;
   const long rest = std::max(1L, std::lround((two_pi - turned) / step_));
-  clear_grid(place + static_cast<std::size_t>(rest), cloud.rings);
+  clear_grid(lead + place + static_cast<std::size_t>(rest), cloud.rings);
 }
 
 void RingGrid::open_column(std::size_t column, double azimuth) {
@@ -141,20 +206,31 @@ void RingGrid::open_column(std::size_t column, double azimuth) {
 void RingGrid::organise_columns(const Cloud& cloud, const CloudMotion* motion) {
   table_.set_rings(cloud);
   table_.learn(cloud, true);
-  number_columns(cloud);
+  // straight_ is that of the cloud before.
+  const std::size_t before = moved ? lead(cloud, *motion) : 0;
+  number_columns(cloud, before);
   number_shifts();
-  const bool moves = motion != nullptr && !motion->stands();
+  const bool moves = moved;
+  if (before > 0) {
+    // Times count from this cloud's stamp.
+    tail_.stamp = cloud.stamp;
+    fill_lead(before, *motion);
+  }
   for (std::size_t c = 0; c < cloud.columns.size(); ++c) {
     if (places_[c] == nowhere) continue;
     if (fired_[places_[c]] == 0) open_column(places_[c], static_cast<double>(cloud.columns[c].azimuth));
     times_[places_[c]] = static_cast<float>(seconds(cloud.columns[c].stamp - cloud.stamp));
-    fill_column(cloud, c, moves ? &motion->columns()[c] : nullptr);
+    fill_column(cloud, c, places_[c], moves ? &motion->columns()[c] : nullptr);
   }
   if (!moves) measure_ranges();
   extend_azimuths();
-  mark_too_near(cloud);
+  for (const NearReturn& near : cloud.too_near) {
+    if (near.column < places_.size() && places_[near.column] != nowhere)
+      mark_too_near(near, places_[near.column]);
+  }
   place_without_return(cloud, motion);
   bridge_single_gaps();
+  keep_tail(cloud);
 }
 
 void RingGrid::number_shifts() {
@@ -184,9 +260,9 @@ void RingGrid::extend_azimuths() {
   }
 }
 
-void RingGrid::fill_column(const Cloud& cloud, std::size_t column, const Pose* move) {
+void RingGrid::fill_column(const Cloud& cloud, std::size_t column, std::size_t place, const Pose* move) {
   const std::size_t end = cloud.points_end(column);
-  const std::size_t first = index(places_[column], 0);
+  const std::size_t first = index(place, 0);
   const std::size_t cells = kind.size();
   // Local copies: the compiler must assume that the bytes of points alias the members.
   const std::size_t rings = rings_;
@@ -242,12 +318,10 @@ void RingGrid::check(std::size_t at) {
   }
 }
 
-void RingGrid::mark_too_near(const Cloud& cloud) {
-  for (const NearReturn& near : cloud.too_near) {
-    if (near.column >= places_.size() || places_[near.column] == nowhere || near.ring >= rings_) continue;
-    const std::size_t to = (index(places_[near.column], 0) + offsets_[near.ring]) % kind.size();
-    if (kind[to] != Beam::point) kind[to] = Beam::own;
-  }
+void RingGrid::mark_too_near(const NearReturn& near, std::size_t place) {
+  if (near.ring >= rings_) return;
+  const std::size_t to = (index(place, 0) + offsets_[near.ring]) % kind.size();
+  if (kind[to] != Beam::point) kind[to] = Beam::own;
 }
 
 bool RingGrid::is_own(const BeamEnd& end) const {

@@ -85,7 +85,7 @@ class RingGrid {
 
   std::size_t rings() const { return rings_; }
   std::size_t columns() const { return columns_; }
-  /// The next column; the columns make a full turn.
+  /// The next column; the columns make a full turn, or more (see lead()).
   std::size_t after(std::size_t column) const { return column + 1 < columns_ ? column + 1 : 0; }
   /// rad between columns.
   double step() const { return step_; }
@@ -109,15 +109,18 @@ class RingGrid {
  private:
   bool fires_in_columns(const Cloud& cloud);
   void organise_columns(const Cloud& cloud, const CloudMotion* motion);
-  void number_columns(const Cloud& cloud);
+  void number_columns(const Cloud& cloud, std::size_t lead);
+  std::size_t lead(const Cloud& cloud, const CloudMotion& motion) const;
+  void fill_lead(std::size_t lead, const CloudMotion& motion);
+  void keep_tail(const Cloud& cloud);
   void number_shifts();
   void open_column(std::size_t column, double azimuth);
   void extend_azimuths();
-  void fill_column(const Cloud& cloud, std::size_t column, const Pose* move);
+  void fill_column(const Cloud& cloud, std::size_t column, std::size_t place, const Pose* move);
   void find_origins(const CloudMotion& motion);
   void measure_ranges();
   void check(std::size_t at);
-  void mark_too_near(const Cloud& cloud);
+  void mark_too_near(const NearReturn& near, std::size_t place);
   bool organise_points(const Cloud& cloud, const CloudMotion* motion);
   bool number_rings(const Cloud& cloud);
   bool measure_step(const Cloud& cloud);
@@ -152,6 +155,8 @@ class RingGrid {
   std::vector<float> times_;                 // s after the cloud's stamp, per column
   std::vector<double> turns_;                // rad from the previous column, per column of the cloud
   std::vector<std::uint32_t> places_;        // column in the grid, per column of the cloud
+  Cloud tail_;                               // the last columns of the cloud before
+  std::vector<std::size_t> tail_places_;     // their columns in the grid
   std::vector<std::uint32_t> shifts_;        // columns by which a row points ahead, in [0, columns_)
   std::vector<std::size_t> offsets_;         // index of a ring's beam relative to the begin of its column
   bool straight_ = false;                    // all rings are known and not shifted

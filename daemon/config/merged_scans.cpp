@@ -1,6 +1,8 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
 // `merged_scans:` of a configuration.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <set>
 
@@ -62,12 +64,20 @@ KeyOf<Merged> free_required_row() {
   return key;
 }
 
+KeyOf<Merged> free_requires_row() {
+  return special<Merged>(
+      "free_requires", "names of its sources",
+      [](const Merged& merged) { return key_value(merged.free_requires); },
+      "sources of which one must see all of a beam for it to be free, e.g. the lowest scanners; empty: any "
+      "source");
+}
+
 Keys<Merged> fusion_rows() {
   return {word("echoes", &Merged::echoes, echo_choices, "which echo of a beam counts"),
           flag("veil_filter", &Merged::veil_filter,
                "leaves out mixed pixels: returns between two surfaces where no surface is"),
           number("range_noise", &Merged::range_noise, 0.0005, 1, "m", "one standard deviation of the ranges"),
-          free_required_row()};
+          free_required_row(), free_requires_row()};
 }
 
 std::string expected_sources(const Config& config) {
@@ -91,13 +101,18 @@ void read_one_source(const Value& entry, SourceSettings& settings) {
   check_sector(yaml, sector_between(settings.angle_min, settings.angle_max));
 }
 
-/// Reads `source_settings:`. Without return a beam proves free space as far as its sensor detects dark
-/// targets, unless the file says otherwise.
-void read_source_settings(const Mapping& yaml, const SourceList& list, Merged& merged) {
+SourceSettings common_settings(const Merged& merged) {
   SourceSettings common;
   common.noise = merged.range_noise;
   common.echoes = merged.echoes;
   common.veil_filter = merged.veil_filter;
+  return common;
+}
+
+/// Reads `source_settings:`. Without return a beam proves free space as far as its sensor detects dark
+/// targets, unless the file says otherwise.
+void read_source_settings(const Mapping& yaml, const SourceList& list, Merged& merged) {
+  const SourceSettings common = common_settings(merged);
   const auto& sources = merged.laserscan_topics;
   for (std::size_t i = 0; i < sources.size() && merged.has_visibility(); ++i) {
     const SensorConfig* sensor = list.named[i].sensor;
@@ -122,6 +137,47 @@ void read_source_settings(const Mapping& yaml, const SourceList& list, Merged& m
     });
   }
   mistakes.throw_if_any();
+}
+
+/// Reads `free_requires:`; the other sources prove nothing free.
+void read_free_requires(const Mapping& yaml, const SourceList& list, Merged& merged) {
+  const auto value = yaml.find("free_requires");
+  if (!value) return;
+  std::string expected = "sources of it:";
+  for (const std::string& source : list.names) expected += " " + source;
+  for (const Value& one : value->names(expected)) {
+    const std::string name = one.text();
+    const auto count = static_cast<std::ptrdiff_t>(list.names.size());
+    auto at = std::find(list.names.begin(), list.names.end(), name) - list.names.begin();
+    if (at == count)
+      at = std::find(list.written.begin(), list.written.end(), name) - list.written.begin();
+    if (at == count) one.fail("is " + one.quoted() + ", which is no source of it", expected);
+    merged.free_requires.push_back(list.names[static_cast<std::size_t>(at)]);
+  }
+  if (merged.free_requires.empty()) return;
+  for (const std::string& source : list.names) {
+    const auto& required = merged.free_requires;
+    if (std::find(required.begin(), required.end(), source) != required.end()) continue;
+    merged.source_settings.emplace(source, common_settings(merged)).first->second.proves_free = false;
+  }
+}
+
+/// A beam is free where one scanner sees it: what stands at the height of another one may be lower or higher.
+void ask_about_heights(const Mapping& yaml, const SourceList& list, const Merged& merged, Reading& reading) {
+  constexpr double one_height = 0.15;  // m
+  if (!merged.has_visibility() || !merged.free_requires.empty()) return;
+  std::optional<double> lowest, highest;
+  for (const NamedSource& source : list.named) {
+    if (source.sensor == nullptr || !source.sensor->pose) continue;
+    const double z = source.sensor->pose->translation().z();
+    lowest = std::min(lowest.value_or(z), z);
+    highest = std::max(highest.value_or(z), z);
+  }
+  if (!lowest || *highest - *lowest <= one_height) return;
+  reading.warn(yaml.where("laserscan_topics").place(),
+               fmt::format("{} merges scanners {:.2f} to {:.2f} m high: a beam is free where one of them sees its "
+                           "way, whatever stands lower or higher; name those that must see it in free_requires",
+                           yaml.self().path(), *lowest, *highest));
 }
 
 void claim_topics(const Mapping& yaml, const Merged& merged, Reading& reading) {
@@ -183,6 +239,7 @@ Merged read_merged(const std::string& name, const Value& entry, Reading& reading
   });
   mistakes.attempt([&] { read_also(yaml, merged.also); });
   if (has_sources) mistakes.attempt([&] { read_source_settings(yaml, sources, merged); });
+  if (has_sources) mistakes.attempt([&] { read_free_requires(yaml, sources, merged); });
   // The rules between keys need all of them.
   mistakes.throw_if_any();
   mistakes.attempt(
@@ -193,6 +250,7 @@ Merged read_merged(const std::string& name, const Value& entry, Reading& reading
   mistakes.attempt([&] { check_policy(yaml, sources, merged.schedule); });
   mistakes.throw_if_any();
   warn_without_footprint(yaml, merged, reading);
+  ask_about_heights(yaml, sources, merged, reading);
   return merged;
 }
 

@@ -34,7 +34,6 @@ constexpr RemovedKey removed_keys[] = {
     {"merged_scans.*.max_age", "deadline: a sweep is used until the next one of its source is overdue by it"},
     {"merged_scans.*.fuse", "no such key: of several surfaces the nearest one counts"},
     {"merged_scans.*.conflicts", "no such key: every return counts until its source sends a newer sweep"},
-    {"merged_scans.*.free_requires", "a merged scan for each mounting height"},
     {"merged_scans.*.veil_cross_check", "veil_filter, which finds mixed pixels in each scan"},
     {"merged_scans.*.intensity",
      "no such key: a merged scan has intensities where all its sources have them"},

@@ -177,7 +177,7 @@ void MergeSources::describe(DiagnosticItem& item, Stamp now, bool starting) cons
 }
 
 void MergeSources::describe_states(DiagnosticItem& item, Stamp now, bool starting) const {
-  std::string silent, lost;
+  std::string silent, lost, remedy;
   // Whether any source delivers, and whether all that are lost have never come.
   bool delivers = false, awaited = true;
   for (std::size_t s = 0; s < settings_.names.size(); ++s) {
@@ -191,6 +191,11 @@ void MergeSources::describe_states(DiagnosticItem& item, Stamp now, bool startin
     const SourceState seen = reported_[s];
     std::string& list = seen == SourceState::stale ? silent : lost;
     if (seen != SourceState::ok) list += (list.empty() ? "" : ", ") + name;
+    // Not of a source that follows another clock.
+    constexpr double longest_told_s = 1, room_s = 0.02;
+    const double late = scheduler_.lateness(s);
+    if (seen == SourceState::stale && late > 0 && late < longest_told_s)
+      remedy = fmt::format("; a deadline of {:.2f} waits for them", late + room_s);
     delivers = delivers || seen == SourceState::ok;
     awaited = awaited && seen != SourceState::lost;
   }
@@ -202,7 +207,7 @@ void MergeSources::describe_states(DiagnosticItem& item, Stamp now, bool startin
                                        seconds(apart_)));
   if (lost.empty() && silent.empty()) return;
   item.set(lost.empty() ? Health::warn : Health::error,
-           "publishing without " + (lost.empty() ? silent + ", whose sweeps are too old" : lost));
+           "publishing without " + (lost.empty() ? silent + ", whose sweeps are too old" + remedy : lost));
   if (!delivers) item.message = "no output, since no source delivers: see the state of its sensors";
   item.awaited = awaited;
   if (counters.no_pose > 0 && !counters.why_no_pose.empty()) item.message += ": " + counters.why_no_pose;

@@ -247,7 +247,11 @@ TEST(RingTable, LearnsElevationsAndOffsetsAndFollowsAChange) {
   SmallLidar lidar(13);
   lidar.scatter_offsets(5);
   RingTable table;
-  table.set_rings(5);
+  Cloud of_five, of_six;
+  of_five.rings = 5;
+  of_six.rings = 6;
+  of_six.directions.assign(6, {0.2, 0.1});
+  table.set_rings(of_five);
   EXPECT_FALSE(table.is_known(0));
   EXPECT_EQ(table.elevation(0), 0);
   table.learn(lidar.cloud(), true);
@@ -262,10 +266,12 @@ TEST(RingTable, LearnsElevationsAndOffsetsAndFollowsAChange) {
   EXPECT_LT(table.offset(1), before + 0.01) << "a few clouds change little";
   for (int cloud = 0; cloud < 2500; ++cloud) table.learn(lidar.cloud(), true);
   EXPECT_NEAR(table.offset(1), lidar.offsets[1], 0.005);
-  table.set_rings(5);
+  table.set_rings(of_five);
   EXPECT_TRUE(table.is_known(0)) << "nothing changed";
-  table.set_rings(6);
-  EXPECT_FALSE(table.is_known(0));
+  table.set_rings(of_six);
+  EXPECT_TRUE(table.is_known(0)) << "from the model's table, without a return";
+  EXPECT_EQ(table.elevation(5), 0.2);
+  EXPECT_EQ(table.offset(5), 0.1);
 }
 
 }  // namespace
