@@ -55,13 +55,14 @@ void CutEvidence::find_lone_returns() {
     return cells;
   };
   lone_.clear();
-  for (std::size_t i = rings; i + rings < cells; ++i) {
+  for (std::size_t i = 0; i < cells && grid.columns() > 4; ++i) {
     const float beyond = range[i] + PlacedScan::lone_depth;
     // Few beams get beyond the first comparisons.
     if (grid.kind[i] != Beam::point) continue;
-    const std::size_t before = passing(i - rings, i - 2 * rings, beyond);
+    const std::size_t back = i + cells;
+    const std::size_t before = passing((back - rings) % cells, (back - 2 * rings) % cells, beyond);
     if (before == cells) continue;
-    const std::size_t after = passing(i + rings, i + 2 * rings, beyond);
+    const std::size_t after = passing((i + rings) % cells, (i + 2 * rings) % cells, beyond);
     if (after == cells) continue;
     const std::size_t ring = i % rings;
     if (ring > 0 && passing(i - 1, ring > 1 ? i - 2 : cells, beyond) == cells) continue;
