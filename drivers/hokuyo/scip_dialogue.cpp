@@ -121,10 +121,7 @@ bool ScipDialogue::is_compared() {
     percent_ = false;
     return false;
   }
-  std::string_view body = answer_->body;
-  const std::string_view line = cut_line(body);
-  if (answer_->status != "00" || !has_checksum(line)) return true;
-  const auto stamp = parse_stamp(line);
+  const auto stamp = parse_time(*answer_);
   return !stamp || owner_.compared(*stamp, patience_.since(), now_) || ++comparisons_ >= most_comparisons;
 }
 

@@ -40,8 +40,12 @@ class ScipDriver final : public DriverBase, private ScipDialogue::Owner {
   }
 
   Verdict receive(const Packet& packet, DriverOutput& out) override {
-    return read_stream<ScipMessage>(
-        packet, reader_, [&](const ScipMessage& item) { return handle(item, packet.arrival, out); });
+    if (packet.stream_start && !dialogue_.active()) clock_.connection();
+    return read_stream<ScipMessage>(packet, reader_, [&](const ScipMessage& item) {
+      const Verdict verdict = handle(item, packet.arrival, out);
+      last_answer_ = packet.arrival;
+      return verdict;
+    });
   }
 
   void connected(Stamp now, DriverOutput& out) override {
@@ -68,6 +72,7 @@ class ScipDriver final : public DriverBase, private ScipDialogue::Owner {
 
   void restart() override {
     reader_.interrupt();
+    last_answer_ = Stamp();
     clock_.reset();
     stamps_.reset();
     forget_repeated();
@@ -98,6 +103,9 @@ class ScipDriver final : public DriverBase, private ScipDialogue::Owner {
       if (message.status == "00" && message.echo == "VV") note_version(message);
       if (message.status == "00" && message.echo == "PP") note_parameters(message);
       if (message.status == "00" && message.echo == "II") note_information(message);
+      // In a capture: clients ask when the answer before has come, as the dialogue does.
+      const auto time = parse_time(message);
+      if (time && !dialogue_.active() && last_answer_ != Stamp()) clock_.compare(*time, last_answer_, arrival);
       dialogue_.receive(message, arrival, out);
       return {};
     }
@@ -325,7 +333,7 @@ class ScipDriver final : public DriverBase, private ScipDialogue::Owner {
   int range_max_mm_ = 0;
   PlanarScan scan_;
   SteadyStamps stamps_;
-  Stamp last_report_;
+  Stamp last_report_, last_answer_;
   std::vector<char> flat_;
 };
 

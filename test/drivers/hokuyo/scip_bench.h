@@ -106,7 +106,9 @@ class TcpBench : public DriverOutput {
   Stamp now = scip_epoch;
   Span way_up{50'000};
   bool online = false, auto_connect = true, muted = false;
-  bool doubled = false;  // something on the way sends everything twice
+  bool recording = false;
+  std::vector<std::pair<Stamp, std::string>> recorded;  // arrival and bytes, as a capture has them
+  bool doubled = false;                                 // something on the way sends everything twice
   int disconnects = 0;
 
  private:
@@ -121,6 +123,7 @@ class TcpBench : public DriverOutput {
     if (const auto sent = device->next(horizon)) {
       now = std::max(now, sent->time);
       sweep = sent->sweep.value_or(Stamp());
+      if (recording) recorded.emplace_back(now, sent->bytes);
       if (online && !muted) feed(sent->bytes);
       if (online && doubled) feed(sent->bytes);
       return;

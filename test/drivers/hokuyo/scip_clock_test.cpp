@@ -180,6 +180,26 @@ TEST(ScipClock, StampsOfASensorThatSendsOnItsTickAreWithinLittleMoreThanOneOfThe
   }
 }
 
+TEST(ScipClock, ARecordingOfAConnectionGivesTheStampsOfTheLiveRun) {
+  for (const bool percent : {false, true}) {
+    ScipDeviceOptions options = jittery(100, 700);
+    options.processing = 7ms;
+    options.knows_percent = percent;
+    if (percent) options.firmware = "4.1.0";
+    ScipBench live(options);
+    live.recording = true;
+    live.run(3s);
+    ScipBench replay;
+    for (const auto& [arrival, bytes] : live.recorded) {
+      replay.now = arrival;
+      replay.feed(bytes, arrival == live.recorded[0].first);
+    }
+    ASSERT_EQ(replay.scans.size(), live.scans.size());
+    for (std::size_t i = 0; i < live.scans.size(); ++i)
+      ASSERT_EQ((replay.scans[i].stamp - live.scans[i].stamp).count(), 0) << "scan " << i << ", % " << percent;
+  }
+}
+
 TEST(ScipClock, LongStampsNeedNoGuessing) {
   ScipDeviceOptions options = jittery(100, 700);
   options.firmware = "4.1.0";
