@@ -47,7 +47,8 @@ class TcpBench : public DriverOutput {
   }
   void request(ByteView bytes) override {
     written += bytes.text();
-    uplink.push_back({now + way_up, std::string(bytes.text())});
+    const auto late = rng.uniform() * static_cast<double>(way_up_jitter.count());
+    uplink.push_back({now + way_up + Span(static_cast<std::int64_t>(late)), std::string(bytes.text())});
   }
   void disconnect(bool again) override {
     EXPECT_TRUE(again);
@@ -104,7 +105,8 @@ class TcpBench : public DriverOutput {
   std::vector<DeviceState> states;
   std::string written;
   Stamp now = scip_epoch;
-  Span way_up{50'000};
+  Span way_up{50'000}, way_up_jitter{0};
+  sim::Rng rng{1};
   bool online = false, auto_connect = true, muted = false;
   bool recording = false;
   std::vector<std::pair<Stamp, std::string>> recorded;  // arrival and bytes, as a capture has them
