@@ -3,9 +3,9 @@
 #include "drivers/hokuyo/scip_clock.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
-#include <cmath>
 
 namespace lidard::hokuyo {
 namespace {
@@ -169,6 +169,17 @@ Span ScipClock::unwrap(ScipStamp stamp, Stamp arrival) {
   return last_;
 }
 
+void ScipClock::begin_with(const Sweep& sweep) {
+  const bool known = known_;
+  const Span last = last_;
+  const Stamp last_arrival = last_arrival_;
+  const Span read = unwrap(sweep.stamp, sweep.arrival);
+  clock_.observe(sweep.stamp.microseconds ? read + sweep.until_sent : sent_at(read, sweep), sweep.arrival);
+  known_ = known;
+  last_ = last;
+  last_arrival_ = last_arrival;
+}
+
 Stamp ScipClock::begin_of(const Sweep& sweep, std::int64_t& skipped) {
   const Span read = unwrap(sweep.stamp, sweep.arrival);
   skipped = 0;
@@ -183,13 +194,15 @@ Stamp ScipClock::begin_of(const Sweep& sweep, std::int64_t& skipped) {
     return clock_.to_host(read + sweep.until_sent) - sweep.until_sent;
   }
   Span begin = read;
+  // Sweeps of one read tell the intervals of the counter alone.
+  const bool is_first_read = turns_.count() > 0 && turns_.turns().front().arrival == sweep.arrival.ns;
   if (sweep.stamp.microseconds) {
     clock_.observe(begin + sweep.until_sent, sweep.arrival);
-  } else if (!sweep.evenly || turns_.count() < turns_for_fit) {
+  } else if (!sweep.evenly || turns_.count() < turns_for_fit || is_first_read) {
     clock_.observe(sent_at(read, sweep), sweep.arrival);
     const Stamp middle = clock_.to_host(read + Span(ms / 2) + sweep.until_sent);
     learn_delay(sweep.arrival);
-    const Stamp end = delay_              ? middle - Span(*delay_)
+    const Stamp end = delay_             ? middle - Span(*delay_)
                       : clock_.is_held() ? middle
                                          : std::min(middle, sweep.arrival);
     return as_compared(end - sweep.until_sent, read, sweep);
@@ -208,9 +221,9 @@ Span ScipClock::sent_at(Span begin, const Sweep& sweep) const {
   return Span((ready + ms - 1) / ms * ms);
 }
 
-/// Pairs of scans whose arrivals show that scans leave on ticks, less those that show that they leave at once:
-/// pairs that differ in the wait for the tick. `processing`: from the end of a sweep until it could leave. A
-/// scan ready too near a tick is no witness.
+/// Pairs of scans whose arrivals show that scans leave on ticks, less those that show that they leave at
+/// once: pairs that differ in the wait for the tick. `processing`: from the end of a sweep until it could
+/// leave. A scan ready too near a tick is no witness.
 int ScipClock::votes_for_ticks(const Sweep& sweep, std::int64_t processing) const {
   const std::int64_t unsure = 2 * turns_.uncertainty() + witness_margin;
   std::int64_t before = std::numeric_limits<std::int64_t>::min() / 2, late = 0, wait = 0;

@@ -74,6 +74,11 @@ class ScipClock {
     Stamp arrival;
     bool evenly = true;  ///< one of an endless row; not an answer to a single request
   };
+  /// The newest sweep of the first read of a stream: the clock begins with it, though older sweeps come
+  /// first.
+  void begin_with(const Sweep& sweep);
+  /// True if a sweep was seen.
+  bool ready() const { return clock_.ready(); }
   /// Host time of step 0. `skipped` gets the number of turns since the last sweep, less one.
   Stamp begin_of(const Sweep& sweep, std::int64_t& skipped);
   /// Compares the clocks of sensor and host: the counter was read between `sent` and `received`.

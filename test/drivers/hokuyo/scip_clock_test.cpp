@@ -181,8 +181,8 @@ TEST(ScipClock, StampsOfASensorThatSendsOnItsTickAreWithinLittleMoreThanOneOfThe
   }
 }
 
-/// A sensor as seqsense/urg_stamped describes it, README and src/urg_sim/urg_sim.cpp, and its way to the host.
-/// Scans that leave at once are those of that simulator's UST, whose waitTick() never waits.
+/// A sensor as seqsense/urg_stamped describes it, README and src/urg_sim/urg_sim.cpp, and its way to the
+/// host. Scans that leave at once are those of that simulator's UST, whose waitTick() never waits.
 struct TimedSensor {
   const char* name;
   const char* model;
@@ -258,7 +258,8 @@ TEST(ScipClock, ARecordingOfAConnectionGivesTheStampsOfTheLiveRun) {
     }
     ASSERT_EQ(replay.scans.size(), live.scans.size());
     for (std::size_t i = 0; i < live.scans.size(); ++i)
-      ASSERT_EQ((replay.scans[i].stamp - live.scans[i].stamp).count(), 0) << "scan " << i << ", % " << percent;
+      ASSERT_EQ((replay.scans[i].stamp - live.scans[i].stamp).count(), 0)
+          << "scan " << i << ", % " << percent;
   }
 }
 

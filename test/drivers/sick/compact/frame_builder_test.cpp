@@ -59,8 +59,8 @@ TEST(FrameBuilder, AWholeFrameIsReleasedByItsLastSegment) {
   }
 }
 
-// Each segment announces its angles as rounded floats: a program that was started in the middle of a frame gives the
-// scans of one that heard all.
+// Each segment announces its angles as rounded floats: a program that was started in the middle of a frame
+// gives the scans of one that heard all.
 TEST(FrameBuilder, TheSegmentThatCameFirstChangesNothingInAScan) {
   for (const std::uint32_t version : {4U, 0U}) {
     std::vector<PlanarScan> whole;
