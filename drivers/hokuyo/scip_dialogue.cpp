@@ -77,6 +77,7 @@ void ScipDialogue::ask(std::string_view request, DriverOutput& out, Span patienc
   step_ = Step::asking;
   question_ = request;
   patience_.start_answer(now_, patience);
+  asked_ = out.leaves(now_);
   out.request(ByteView(request));
 }
 
@@ -122,7 +123,7 @@ bool ScipDialogue::is_compared() {
     return false;
   }
   const auto stamp = parse_time(*answer_);
-  return !stamp || owner_.compared(*stamp, patience_.since(), now_) || ++comparisons_ >= most_comparisons;
+  return !stamp || owner_.compared(*stamp, asked_, now_) || ++comparisons_ >= most_comparisons;
 }
 
 void ScipDialogue::follow_stream(const ScipMessage& message, DriverOutput& out) {

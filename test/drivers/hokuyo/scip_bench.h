@@ -47,9 +47,9 @@ class TcpBench : public DriverOutput {
   }
   void request(ByteView bytes) override {
     written += bytes.text();
-    const auto late = rng.uniform() * static_cast<double>(way_up_jitter.count());
-    uplink.push_back({now + way_up + Span(static_cast<std::int64_t>(late)), std::string(bytes.text())});
+    uplink.push_back({leaves_at + way_up + up_to(way_up_jitter), std::string(bytes.text())});
   }
+  Stamp leaves(Stamp) override { return leaves_at; }
   void disconnect(bool again) override {
     EXPECT_TRUE(again);
     ++disconnects;
@@ -57,6 +57,7 @@ class TcpBench : public DriverOutput {
   }
 
   void connect_now() {
+    leaves_at = now;
     device->connected(now);
     driver->connected(now, *this);
     online = true;
@@ -106,6 +107,7 @@ class TcpBench : public DriverOutput {
   std::string written;
   Stamp now = scip_epoch;
   Span way_up{50'000}, way_up_jitter{0};
+  Span host_late{0};  // up to so long the host reads after an arrival
   sim::Rng rng{1};
   bool online = false, auto_connect = true, muted = false;
   bool recording = false;
@@ -119,6 +121,9 @@ class TcpBench : public DriverOutput {
     std::string bytes;
   };
 
+  Span up_to(Span most) {
+    return Span(static_cast<std::int64_t>(rng.uniform() * static_cast<double>(most.count())));
+  }
   void step(Stamp end) {
     Stamp horizon = std::min(end, next_tick);
     if (!uplink.empty()) horizon = std::min(horizon, uplink.front().time);
@@ -126,6 +131,7 @@ class TcpBench : public DriverOutput {
       now = std::max(now, sent->time);
       sweep = sent->sweep.value_or(Stamp());
       if (recording) recorded.emplace_back(now, sent->bytes);
+      leaves_at = now + host_late / 4 + up_to(host_late);
       if (online && !muted) feed(sent->bytes);
       if (online && doubled) feed(sent->bytes);
       return;
@@ -137,12 +143,14 @@ class TcpBench : public DriverOutput {
       device->receive(up.bytes, now);
     }
     if (now >= next_tick) {
+      leaves_at = now;
       if (online) driver->tick(now, *this);
       next_tick = now + std::chrono::milliseconds(20);
     }
   }
 
   std::deque<Upward> uplink;
+  Stamp leaves_at = scip_epoch;
   Stamp next_tick = scip_epoch, reconnect = scip_epoch, sweep;
   bool cut = false;
 };
