@@ -194,7 +194,7 @@ Stamp ScipClock::begin_of(const Sweep& sweep, std::int64_t& skipped) {
     return clock_.to_host(read + sweep.until_sent) - sweep.until_sent;
   }
   Span begin = read;
-  // Sweeps of one read tell the intervals of the counter alone.
+  // Sweeps of one read show the intervals of the counter alone.
   const bool is_first_read = turns_.count() > 0 && turns_.turns().front().arrival == sweep.arrival.ns;
   if (sweep.stamp.microseconds) {
     clock_.observe(begin + sweep.until_sent, sweep.arrival);
