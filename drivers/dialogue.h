@@ -26,7 +26,6 @@ class Patience {
     since_ = std::min(since_, now);
     return now - since_ > limit_;
   }
-  Stamp since() const { return since_; }
   /// Extends the limit of this and all further answers to `most`, for a slow device, so that the question can
   /// be repeated. False: the limit was `most` already.
   bool extend(Stamp now) {

@@ -67,6 +67,9 @@ class DriverOutput {
   virtual void extra_scan(std::string_view /*topic*/, PlanarScan& /*scan*/) {}
   /// Bytes to send to the device over its TCP connection; dropped in replay.
   virtual void request(ByteView /*bytes*/) {}
+  /// When a request leaves that is made now: on a busy host later than the arrival of the packet that caused
+  /// it. `arrival`: of that packet, which is all that a replay knows.
+  virtual Stamp leaves(Stamp arrival) { return arrival; }
   /// A sentence for the log: a setting of the device was written ("host address 192.168.0.2 -> 192.168.0.5").
   virtual void note(std::string_view /*sentence*/) {}
   /// Opens the TCP connection (again), from tick() or receive(). Devices that stream over TCP are connected

@@ -61,6 +61,18 @@ class DriverBase : public Driver {
     for (Item item; reader.next(item);) include_verdict(handle(item), all);
     return all;
   }
+  /// Passes the complete items of a chunk to `note` before read_stream() does, and leaves `reader` and
+  /// counters as they are. The first read of a stream may hold several scans that waited for it: the newest
+  /// one, with which the clock begins, shows how late they are, so that all keep the device's intervals.
+  template <class Item, class Reader, class Note>
+  void look_ahead(const Packet& packet, const Reader& reader, Note note) {
+    const Counters before = counters_;
+    Reader ahead = reader;
+    if (packet.stream_start || packet.missing > 0) ahead.interrupt();
+    ahead.add(packet.payload);
+    for (Item item; ahead.next(item);) note(item);
+    counters_ = before;
+  }
   /// Counts the verdict on an item and adds it to `all`, the verdict on the bytes that hold it.
   void include_verdict(const Verdict& item, Verdict& all) {
     all.has_data = all.has_data || item.has_data;

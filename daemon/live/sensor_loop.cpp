@@ -46,7 +46,7 @@ SensorLoop::SensorLoop(const Config& config, DaemonClock& clock, BlackBox& box, 
            [this](std::size_t sensor) { pipeline_.disconnected(sensor); },
            [this](std::size_t sensor) { return pipeline_.frames(sensor); },
            [this](std::size_t sensor) { return host_causes_.trouble(sensor); },
-           [this](std::size_t sensor) { return host_causes_.hint(sensor); }},
+           [this](std::size_t sensor) { return host_causes_.hint(sensor); }, [this] { return clock_.now(); }},
           {}, worker),
       interfaces_(io_,
                   [this] {
@@ -153,9 +153,10 @@ DiagnosticItem SensorLoop::load_item() const {
   DiagnosticItem item{"computer"};
   item.message = "reads what comes in time";
   if (stalled_at_ && std::chrono::steady_clock::now() - *stalled_at_ < std::chrono::seconds(10))
-    item.set(Health::warn, fmt::format("this computer is too busy: {:.1f} s passed before what came was read, "
-                                       "so outputs were late; see `top`",
-                                       stalled_s_));
+    item.set(Health::warn,
+             fmt::format("this computer is too busy: {:.1f} s passed before what came was read, "
+                         "so outputs were late; see `top`",
+                         stalled_s_));
   return item;
 }
 

@@ -23,6 +23,8 @@ struct ConnectionEvents {
   std::function<std::uint64_t(std::size_t sensor)> frames;
   /// Faults and hints about this host's network, as DeviceConnections::trouble() and hint().
   std::function<std::string(std::size_t sensor)> host_trouble{}, host_hint{};
+  /// The time now.
+  std::function<Stamp()> now{};
 };
 
 /// The TCP connections of a worker's sensors: to devices that stream over TCP, and to other devices whose
@@ -44,6 +46,7 @@ class TcpConnections final : public DeviceConnections {
 
   void connect(std::size_t sensor, const IpAddress& device) override;
   void send(std::size_t sensor, ByteView bytes) override;
+  Stamp now() const override { return events_.now(); }
   void disconnect(std::size_t sensor, bool again) override;
   std::string trouble(std::size_t sensor) const override;
   std::string hint(std::size_t sensor) const override;

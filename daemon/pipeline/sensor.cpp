@@ -197,6 +197,10 @@ void Sensor::request(ByteView bytes) {
   if (context_.connections != nullptr) context_.connections->send(place_, bytes);
 }
 
+Stamp Sensor::leaves(Stamp arrival) {
+  return context_.connections != nullptr ? std::max(arrival, context_.connections->now()) : arrival;
+}
+
 void Sensor::apply_connection_request() {
   const ConnectionRequest what = std::exchange(request_, ConnectionRequest::none);
   DeviceConnections* const connections = context_.connections;

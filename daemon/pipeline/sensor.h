@@ -40,6 +40,8 @@ class DeviceConnections {
   /// Opens a connection to the device's dialogue port unless there is one.
   virtual void connect(std::size_t sensor, const IpAddress& device) = 0;
   virtual void send(std::size_t sensor, ByteView bytes) = 0;
+  /// The time at which it is called.
+  virtual Stamp now() const = 0;
   /// Ends the connection; `again`: opens a new one.
   virtual void disconnect(std::size_t sensor, bool again) = 0;
   /// Why the sensor has no connection or cannot be reached, with the remedy; empty: no known fault.
@@ -118,6 +120,7 @@ class Sensor final : public DriverOutput {
   void extra_scan(std::string_view name, PlanarScan& scan) override;
   void note(std::string_view sentence) override;
   void request(ByteView bytes) override;
+  Stamp leaves(Stamp arrival) override;
   void connect() override { request_ = ConnectionRequest::connect; }
   void disconnect(bool again) override {
     request_ = again ? ConnectionRequest::connect_anew : ConnectionRequest::hang_up;

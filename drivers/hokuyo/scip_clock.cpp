@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 namespace lidard::hokuyo {
 namespace {
@@ -27,6 +29,11 @@ constexpr std::int64_t line_tolerance = ms / 10;
 constexpr double widest_band = 1.25e6;
 /// A motor's jitter, unverified.
 constexpr std::int64_t tick_margin = ms / 20;
+/// By so many more pairs of scans it is shown if scans leave on ticks.
+constexpr int enough_votes = 3;
+constexpr std::int64_t witness_margin = ms / 10;
+/// Turns from one witness to the next, at most: the drift between is not known well.
+constexpr std::int64_t longest_pair = 40;
 constexpr std::size_t first_delay = 16;
 /// Comparisons of one row: the clocks drift apart by 0.5 ms then if they differ by 1000 ppm.
 constexpr Span comparison_age = std::chrono::milliseconds(500);
@@ -36,6 +43,8 @@ constexpr Span drift_age = std::chrono::seconds(25);
 /// line through the turns changes it by less.
 constexpr Span delay_age = std::chrono::seconds(6);
 constexpr std::int64_t delay_change = ms / 2;
+/// Wider bounds come from answers that waited for something.
+constexpr std::int64_t coarse_comparison = 3 * ms;
 /// A comparison bounds stamps by itself for so long.
 constexpr Span bound_age = std::chrono::seconds(2);
 /// A longer delay is impossible: the comparison and the sweeps do not fit together.
@@ -160,6 +169,17 @@ Span ScipClock::unwrap(ScipStamp stamp, Stamp arrival) {
   return last_;
 }
 
+void ScipClock::begin_with(const Sweep& sweep) {
+  const bool known = known_;
+  const Span last = last_;
+  const Stamp last_arrival = last_arrival_;
+  const Span read = unwrap(sweep.stamp, sweep.arrival);
+  clock_.observe(sweep.stamp.microseconds ? read + sweep.until_sent : sent_at(read, sweep), sweep.arrival);
+  known_ = known;
+  last_ = last;
+  last_arrival_ = last_arrival;
+}
+
 Stamp ScipClock::begin_of(const Sweep& sweep, std::int64_t& skipped) {
   const Span read = unwrap(sweep.stamp, sweep.arrival);
   skipped = 0;
@@ -174,13 +194,15 @@ Stamp ScipClock::begin_of(const Sweep& sweep, std::int64_t& skipped) {
     return clock_.to_host(read + sweep.until_sent) - sweep.until_sent;
   }
   Span begin = read;
+  // Sweeps of one read show the intervals of the counter alone.
+  const bool is_first_read = turns_.count() > 0 && turns_.turns().front().arrival == sweep.arrival.ns;
   if (sweep.stamp.microseconds) {
     clock_.observe(begin + sweep.until_sent, sweep.arrival);
-  } else if (!sweep.evenly || turns_.count() < turns_for_fit) {
+  } else if (!sweep.evenly || turns_.count() < turns_for_fit || is_first_read) {
     clock_.observe(sent_at(read, sweep), sweep.arrival);
     const Stamp middle = clock_.to_host(read + Span(ms / 2) + sweep.until_sent);
     learn_delay(sweep.arrival);
-    const Stamp end = delay_              ? middle - Span(*delay_)
+    const Stamp end = delay_             ? middle - Span(*delay_)
                       : clock_.is_held() ? middle
                                          : std::min(middle, sweep.arrival);
     return as_compared(end - sweep.until_sent, read, sweep);
@@ -199,6 +221,35 @@ Span ScipClock::sent_at(Span begin, const Sweep& sweep) const {
   return Span((ready + ms - 1) / ms * ms);
 }
 
+/// Pairs of scans whose arrivals show that scans leave on ticks, less those that show that they leave at
+/// once: pairs that differ in the wait for the tick. `processing`: from the end of a sweep until it could
+/// leave. A scan ready too near a tick is no witness.
+int ScipClock::votes_for_ticks(const Sweep& sweep, std::int64_t processing) const {
+  const std::int64_t unsure = 2 * turns_.uncertainty() + witness_margin;
+  std::int64_t before = std::numeric_limits<std::int64_t>::min() / 2, late = 0, wait = 0;
+  int votes = 0;
+  for (const TurnLine::Turn& turn : turns_.turns()) {
+    const Span end = Span(turns_.begin(turn.number)) + sweep.until_sent;
+    const std::int64_t rest = ms - (end.count() + processing) % ms;
+    if (rest < unsure || rest > ms - unsure) continue;
+    const std::int64_t waited_more = rest - std::exchange(wait, rest);
+    const std::int64_t arrived = turn.arrival - clock_.to_host(end).ns;
+    const std::int64_t later = arrived - std::exchange(late, arrived);
+    if (turn.number - std::exchange(before, turn.number) > longest_pair) continue;
+    const std::int64_t if_on_tick = std::abs(later - waited_more), if_at_once = std::abs(later);
+    if (std::abs(if_on_tick - if_at_once) > ms / 2) votes += if_on_tick < if_at_once ? 1 : -1;
+  }
+  return votes;
+}
+
+/// Learns from the turns so far if scans leave on ticks, whatever the time of processing.
+void ScipClock::find_tick(const Sweep& sweep) {
+  int most = std::numeric_limits<int>::min();
+  for (std::int64_t processing = 0; processing < ms; processing += witness_margin)
+    most = std::max(most, votes_for_ticks(sweep, processing));
+  if (std::abs(most) >= enough_votes) on_tick_ = most > 0;
+}
+
 /// Soon after a comparison the comparison alone bounds the begin, however late the first sweeps of a stream
 /// were read.
 Stamp ScipClock::as_compared(Stamp begin, Span read, const Sweep& sweep) const {
@@ -214,6 +265,7 @@ Stamp ScipClock::as_compared(Stamp begin, Span read, const Sweep& sweep) const {
 /// Begin of the newest turn by the line. A better line is applied to all turns so far again.
 Span ScipClock::begin_by_line(const Sweep& sweep, Span read) {
   if (turns_.fit() && !clock_.is_held()) {
+    if (may_tick_) find_tick(sweep);
     clock_.restart();
     for (const TurnLine::Turn& turn : turns_.turns()) observe_turn(turn, sweep);
   } else {
@@ -240,7 +292,10 @@ void ScipClock::learn_delay(Stamp now) {
   if (delay < -ms || delay > longest_delay) return;
   if (now - compared_at_ <= delay_age || !delay_) early_delay_ = delay;
   const std::int64_t likely = std::clamp(delay, early_delay_ - delay_change, early_delay_ + delay_change);
-  delay_ = std::max<std::int64_t>(0, likely);
+  // Some firmware of a UST answers TM1 on a tick of 5 ms: then the arrivals of scans, which are late by the
+  // network's delay alone, say more than the comparisons.
+  const bool is_coarse = may_tick_ && highest_ - lowest_ > coarse_comparison;
+  delay_ = is_coarse ? 0 : std::max<std::int64_t>(0, likely);
 }
 
 bool ScipClock::needs_comparison() const {
@@ -280,6 +335,7 @@ void ScipClock::connection() {
 
 void ScipClock::reset() {
   connection();
+  on_tick_ = may_tick_;
   clock_.reset();
   known_ = false;
 }

@@ -59,10 +59,13 @@ class TurnLine {
 /// A counter of ms does not show where in a tick a sweep began; the line through the last turns does. Sensors
 /// that send as soon as a sweep ends are mapped by that end. Those that send on a tick of their counter (UST:
 /// urg_stamped, README and src/scan_estimator_ust.cpp) are mapped by the first tick after it: their arrivals
-/// show when the counter ticked. Stamps in us need no line.
+/// show when the counter ticked. Which of them a UST does shows where a motor's turns drift across the ticks.
+/// Stamps in us need no line.
 class ScipClock {
  public:
-  ScipClock(ClockMode mode, bool sends_on_tick) : mode_(mode), on_tick_(sends_on_tick), clock_(mode) {}
+  /// `sends_on_tick`: as the model usually does, until its arrivals show something else.
+  ScipClock(ClockMode mode, bool sends_on_tick)
+      : mode_(mode), may_tick_(sends_on_tick), on_tick_(sends_on_tick), clock_(mode) {}
 
   struct Sweep {
     ScipStamp stamp;     ///< counter at step 0
@@ -71,6 +74,11 @@ class ScipClock {
     Stamp arrival;
     bool evenly = true;  ///< one of an endless row; not an answer to a single request
   };
+  /// The newest sweep of the first read of a stream: the clock begins with it, though older sweeps come
+  /// first.
+  void begin_with(const Sweep& sweep);
+  /// True if a sweep was seen.
+  bool ready() const { return clock_.ready(); }
   /// Host time of step 0. `skipped` gets the number of turns since the last sweep, less one.
   Stamp begin_of(const Sweep& sweep, std::int64_t& skipped);
   /// Compares the clocks of sensor and host: the counter was read between `sent` and `received`.
@@ -93,12 +101,14 @@ class ScipClock {
   Span unwrap(ScipStamp stamp, Stamp arrival);
   Span begin_by_line(const Sweep& sweep, Span read);
   Span sent_at(Span begin, const Sweep& sweep) const;
+  int votes_for_ticks(const Sweep& sweep, std::int64_t processing) const;
+  void find_tick(const Sweep& sweep);
   void observe_turn(const TurnLine::Turn& turn, const Sweep& sweep);
   void learn_delay(Stamp now);
   Stamp as_compared(Stamp begin, Span read, const Sweep& sweep) const;
 
   ClockMode mode_;
-  bool on_tick_;
+  bool may_tick_, on_tick_;
   DeviceClock clock_;
   TurnLine turns_;
   bool known_ = false;

@@ -77,6 +77,7 @@ void ScipDialogue::ask(std::string_view request, DriverOutput& out, Span patienc
   step_ = Step::asking;
   question_ = request;
   patience_.start_answer(now_, patience);
+  asked_ = out.leaves(now_);
   out.request(ByteView(request));
 }
 
@@ -121,11 +122,8 @@ bool ScipDialogue::is_compared() {
     percent_ = false;
     return false;
   }
-  std::string_view body = answer_->body;
-  const std::string_view line = cut_line(body);
-  if (answer_->status != "00" || !has_checksum(line)) return true;
-  const auto stamp = parse_stamp(line);
-  return !stamp || owner_.compared(*stamp, patience_.since(), now_) || ++comparisons_ >= most_comparisons;
+  const auto stamp = parse_time(*answer_);
+  return !stamp || owner_.compared(*stamp, asked_, now_) || ++comparisons_ >= most_comparisons;
 }
 
 void ScipDialogue::follow_stream(const ScipMessage& message, DriverOutput& out) {

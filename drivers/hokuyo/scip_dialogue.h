@@ -93,7 +93,7 @@ class ScipDialogue final : public Dialogue {
   bool percent_ = false, echoes_ = false, intensities_ = false;
   int comparisons_ = 0;
   int stalls_ = 0;
-  Stamp restarted_;
+  Stamp restarted_, asked_;
   double turn_s_ = 0;
   std::vector<char> request_;
 };

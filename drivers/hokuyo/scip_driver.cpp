@@ -40,8 +40,13 @@ class ScipDriver final : public DriverBase, private ScipDialogue::Owner {
   }
 
   Verdict receive(const Packet& packet, DriverOutput& out) override {
-    return read_stream<ScipMessage>(
-        packet, reader_, [&](const ScipMessage& item) { return handle(item, packet.arrival, out); });
+    if (packet.stream_start && !dialogue_.active()) clock_.connection();
+    if (!clock_.ready()) find_newest(packet);
+    return read_stream<ScipMessage>(packet, reader_, [&](const ScipMessage& item) {
+      const Verdict verdict = handle(item, packet.arrival, out);
+      last_answer_ = packet.arrival;
+      return verdict;
+    });
   }
 
   void connected(Stamp now, DriverOutput& out) override {
@@ -68,12 +73,37 @@ class ScipDriver final : public DriverBase, private ScipDialogue::Owner {
 
   void restart() override {
     reader_.interrupt();
+    last_answer_ = Stamp();
     clock_.reset();
     stamps_.reset();
     forget_repeated();
   }
 
  private:
+  /// The clock begins with the newest scan of the first read.
+  void find_newest(const Packet& packet) {
+    std::optional<ScipClock::Sweep> newest;
+    look_ahead<ScipMessage>(packet, reader_, [&](const ScipMessage& message) {
+      const auto request = parse_scan_request(message.echo);
+      if (!request || message.status != "99") return;
+      std::string_view body = message.body;
+      const std::string_view line = cut_line(body);
+      const auto stamp = has_checksum(line) ? parse_stamp(line) : std::nullopt;
+      if (stamp) newest = sweep_of(*stamp, *request, packet.arrival);
+    });
+    if (newest) clock_.begin_with(*newest);
+  }
+
+  ScipClock::Sweep sweep_of(ScipStamp stamp, const ScipScanRequest& request, Stamp arrival) const {
+    ScipClock::Sweep sweep;
+    sweep.stamp = stamp;
+    sweep.period = span_from_seconds(parameters_.turn_seconds() * (1 + request.skip));
+    sweep.until_sent = span_from_seconds(parameters_.step_seconds() * request.last_step);
+    sweep.arrival = arrival;
+    sweep.evenly = request.continuous;
+    return sweep;
+  }
+
   ScipScanRequest wanted() override { return request_for(parameters_, config_); }
 
   bool knows_percent() const override {
@@ -98,6 +128,10 @@ class ScipDriver final : public DriverBase, private ScipDialogue::Owner {
       if (message.status == "00" && message.echo == "VV") note_version(message);
       if (message.status == "00" && message.echo == "PP") note_parameters(message);
       if (message.status == "00" && message.echo == "II") note_information(message);
+      // In a capture: clients ask when the answer before has come, as the dialogue does.
+      const auto time = parse_time(message);
+      if (time && !dialogue_.active() && last_answer_ != Stamp())
+        clock_.compare(*time, last_answer_, arrival);
       dialogue_.receive(message, arrival, out);
       return {};
     }
@@ -206,13 +240,7 @@ class ScipDriver final : public DriverBase, private ScipDialogue::Owner {
       dialogue_.restart_stream(arrival, out);
     }
     if (reason != Reject::none) return reason;
-    const ScipParameters& p = geometry_->parameters;
-    ScipClock::Sweep sweep;
-    sweep.stamp = *stamp;
-    sweep.period = span_from_seconds(p.turn_seconds() * (1 + request.skip));
-    sweep.until_sent = span_from_seconds(p.step_seconds() * request.last_step);
-    sweep.arrival = arrival;
-    sweep.evenly = request.continuous;
+    const ScipClock::Sweep sweep = sweep_of(*stamp, request, arrival);
     scan_.scan_time = static_cast<float>(seconds(sweep.period));
     scan_.stamp = first_ray(sweep);
     if (scan_.beams == 0) return Reject::none;
@@ -325,7 +353,7 @@ class ScipDriver final : public DriverBase, private ScipDialogue::Owner {
   int range_max_mm_ = 0;
   PlanarScan scan_;
   SteadyStamps stamps_;
-  Stamp last_report_;
+  Stamp last_report_, last_answer_;
   std::vector<char> flat_;
 };
 

@@ -58,6 +58,13 @@ std::optional<ScipStamp> parse_stamp(std::string_view line) {
   return ScipStamp{*ticks, line.size() == in_us + 1};
 }
 
+std::optional<ScipStamp> parse_time(const ScipMessage& message) {
+  std::string_view body = message.body;
+  const std::string_view line = cut_line(body);
+  const bool is_time = message.echo.find("TM1") <= 1 && message.status == "00" && has_checksum(line);
+  return is_time ? parse_stamp(line) : std::nullopt;
+}
+
 std::string_view cut_line(std::string_view& text) {
   const std::size_t end = std::min(text.find('\n'), text.size());
   const std::string_view line = text.substr(0, end);

@@ -88,6 +88,8 @@ struct ScipStamp {
 /// are ms, the 11 of the % extension are us. The echo does not show it: seqsense/urg_stamped's simulator
 /// answers %ME with the echo ME (src/urg_sim/urg_sim.cpp, handleMX).
 std::optional<ScipStamp> parse_stamp(std::string_view line);
+/// The counter in an answer to TM1; empty in any other answer, or if it is refused or damaged.
+std::optional<ScipStamp> parse_time(const ScipMessage& message);
 
 /// Empty if the echo is not that of MD, MS, ME, ND, NE, GD, GS, GE, HD or HE with sound parameters.
 std::optional<ScipScanRequest> parse_scan_request(std::string_view echo);

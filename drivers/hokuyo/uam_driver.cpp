@@ -105,6 +105,7 @@ class UamDriver final : public DriverBase {
   }
 
   Verdict receive(const Packet& packet, DriverOutput& out) override {
+    if (!clock_.ready()) find_newest(packet);
     return read_stream<UamFrame>(packet, reader_, [&](const UamFrame& frame) {
       if (frame.reject == Reject::none) return handle(frame.text, packet.arrival, out);
       ++counters_.packets;
@@ -146,6 +147,26 @@ class UamDriver final : public DriverBase {
 
  private:
   enum class Step : std::uint8_t { idle, version, start, streaming, waiting };
+
+  /// The clock begins with the newest frame of the first read.
+  void find_newest(const Packet& packet) {
+    bool found = false;
+    look_ahead<UamFrame>(packet, reader_, [&](const UamFrame& frame) {
+      found = frame.reject == Reject::none && frame.text.size() > uam_distances_at &&
+              frame.text.substr(5, 4) == row_.answer && parse_status(frame.text, status_);
+    });
+    if (found) clock_.begin_with(sweep_of(packet.arrival));
+  }
+
+  /// The frame's counter in ms; unverified: used as the first beam's time.
+  ScipClock::Sweep sweep_of(Stamp arrival) const {
+    ScipClock::Sweep sweep;
+    sweep.stamp = {status_.time_ms & shown_by_clock, false};
+    sweep.period = span_from_seconds(turn_s);
+    sweep.until_sent = span_from_seconds(turn_s * row_.step_deg / 360 * static_cast<double>(row_.beams - 1));
+    sweep.arrival = arrival;
+    return sweep;
+  }
 
   Verdict handle(std::string_view frame, Stamp arrival, DriverOutput& out) {
     const std::string_view command = frame.substr(5, 4);
@@ -254,15 +275,9 @@ class UamDriver final : public DriverBase {
     return Reject::none;
   }
 
-  /// The frame's counter in ms; unverified: used as the first beam's time.
   Stamp first_ray(Stamp arrival) {
-    ScipClock::Sweep sweep;
-    sweep.stamp = {status_.time_ms & shown_by_clock, false};
-    sweep.period = span_from_seconds(turn_s);
-    sweep.until_sent = span_from_seconds(turn_s * row_.step_deg / 360 * static_cast<double>(row_.beams - 1));
-    sweep.arrival = arrival;
     std::int64_t skipped = 0;
-    const Stamp begin = clock_.begin_of(sweep, skipped);
+    const Stamp begin = clock_.begin_of(sweep_of(arrival), skipped);
     if (skipped < longest_loss) counters_.lost_packets += static_cast<std::uint64_t>(skipped);
     counters_.clock_steps = clock_.steps();
     const Span before = span_from_seconds(turn_s * row_.step_deg / 360 * static_cast<double>(window_.first));

@@ -141,7 +141,7 @@ class ColaDriver final : public DriverBase {
       clock_.restart();
       cloud_builder_.finish(out);
     }
-    if (!clock_.ready()) look_ahead(packet);
+    if (!clock_.ready()) find_newest(packet);
     const Verdict verdict = read_stream<ColaTelegram>(
         packet, stream_, [&](const ColaTelegram& telegram) { return handle(telegram, packet.arrival, out); });
     if (dialogue_.changed()) show_info();
@@ -214,20 +214,15 @@ class ColaDriver final : public DriverBase {
     show_info();
   }
 
-  /// The first read may hold several scans that waited for it: the newest one shows how late they are.
-  void look_ahead(const Packet& packet) {
-    const Counters before = counters_;
-    ColaStream ahead = stream_;
-    if (packet.stream_start || packet.missing > 0) ahead.interrupt();
-    ahead.add(packet.payload);
+  /// The clock begins with the newest scan of the first read.
+  void find_newest(const Packet& packet) {
     bool found = false;
-    for (ColaTelegram telegram; ahead.next(telegram);) {
+    look_ahead<ColaTelegram>(packet, stream_, [&](const ColaTelegram& telegram) {
       found = is_cola_scan(telegram) && parse_cola_scan(telegram, scan_) == Reject::none &&
               apply_geometry() == Reject::none;
-    }
+    });
     if (found) observe(packet.arrival);
     clock_.repeat();
-    counters_ = before;
   }
   /// The unwrapped start time of the scan.
   Span observe(Stamp arrival) {

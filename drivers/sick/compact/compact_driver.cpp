@@ -40,9 +40,11 @@ class CompactDriver final : public DriverBase {
 
   Verdict receive(const Packet& packet, DriverOutput& out) override {
     if (packet.transport == Transport::udp) return receive_datagram(packet, out);
-    if (!dialogue_)
+    if (!dialogue_) {
+      if (!clock_.ready()) find_newest(packet);
       return read_stream<Telegram>(
           packet, stream_, [&](const Telegram& telegram) { return handle(telegram, packet.arrival, out); });
+    }
     dialogue_->receive(packet, out);
     note_dialogue();
     return {};
@@ -87,6 +89,15 @@ class CompactDriver final : public DriverBase {
   }
 
  private:
+  /// The clock begins with the newest segment of the first read.
+  void find_newest(const Packet& packet) {
+    std::uint64_t newest_us = 0;
+    look_ahead<Telegram>(packet, stream_, [&](const Telegram& telegram) {
+      if (parse_scan(telegram, segment_) == Reject::none) newest_us = segment_.stop_us();
+    });
+    if (newest_us != 0) clock_.observe(device_span(newest_us), packet.arrival);
+  }
+
   void note_dialogue() {
     if (!dialogue_->changed()) return;
     warnings_.lead(dialogue_->info().warnings);
@@ -242,10 +253,12 @@ class CompactDriver final : public DriverBase {
       rival_at_ = arrival;
       return false;
     }
-    if (sender_known_)
+    if (sender_known_) {
       warnings_.set(SegmentTrouble::other_device, "device " + std::to_string(sender_) +
                                                       " was replaced by device " + std::to_string(sender) +
                                                       "; check its pose");
+      clock_.reset();
+    }
     sender_known_ = true;
     sender_ = sender;
     our_address_ = address_;
@@ -254,7 +267,6 @@ class CompactDriver final : public DriverBase {
     order_.reset();
     frames_.restart();
     first_frame_ = true;
-    clock_.reset();
     last_stop_us_ = 0;
     // MSGPACK of older firmware has no serial number.
     if (sender != 0) info_.serial = std::to_string(sender);
@@ -319,8 +331,8 @@ class CompactDriver final : public DriverBase {
   std::uint64_t last_stop_us_ = 0;
   Stamp last_arrival_;
   IpAddress address_, our_address_;  // of the newest datagram, and of the newest scan of our device
-  std::optional<Stamp> rival_at_;  // arrival of a scan of another device
-  std::uint32_t rival_ = 0;  // another device at our address, else our own
+  std::optional<Stamp> rival_at_;    // arrival of a scan of another device
+  std::uint32_t rival_ = 0;          // another device at our address, else our own
   bool sender_known_ = false;
   std::uint32_t sender_ = 0;
   std::uint32_t described_version_ = ~0U;

@@ -52,6 +52,12 @@ std::optional<RasterGrid> RasterGrid::of(const SegmentLine& line) {
   return grid;
 }
 
+void RasterGrid::align(const SegmentLine& line) {
+  const auto begin = static_cast<double>(nearest(line.theta_start));
+  if (line.beams > 1) step = step_of(line);
+  first = line.theta_start - begin * step;
+}
+
 bool RasterGrid::holds(const SegmentLine& line) const {
   const long begin = nearest(line.theta_start);
   if (begin < 0 || static_cast<std::size_t>(begin) + line.beams > beams) return false;
@@ -77,6 +83,7 @@ void RasterScan::note_extent(const SegmentLine& line, std::size_t begin, std::si
   if (empty_ || begin < first_beam_) {
     first_beam_ = begin;
     first_segment_ = end - begin;
+    grid_.align(line);
   }
   if (empty_ || end > end_beam_) {
     end_beam_ = end;
@@ -185,7 +192,6 @@ void RasterScan::copy(std::size_t begin, std::size_t count, std::size_t echoes, 
     std::copy_n(beams_.statuses.begin() + from, n, out.statuses.begin() + to);
     if (with_intensities) std::copy_n(beams_.intensities.begin() + from, n, out.intensities.begin() + to);
   }
-  out.set_angles(static_cast<float>(grid_.angle(begin)), static_cast<float>(grid_.step));
 }
 
 }  // namespace lidard::sick

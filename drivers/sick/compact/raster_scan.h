@@ -24,6 +24,9 @@ struct RasterGrid {
   long nearest(double angle) const;
   /// The raster in which the beams of `line` lie; nothing for a single beam or a clockwise line.
   static std::optional<RasterGrid> of(const SegmentLine& line);
+  /// Moves the raster to the announced angles of `line`, whose beams it holds. They are rounded (float), each
+  /// segment's in its own way.
+  void align(const SegmentLine& line);
   /// True if the beams of `line` lie in this raster.
   bool holds(const SegmentLine& line) const;
 };
@@ -45,6 +48,8 @@ class RasterScan {
   /// to echo_memory. Returns the number of beams that lie a quarter step or more beside the raster.
   std::size_t add(const SegmentLine& line, std::vector<std::uint8_t>& had_echo);
 
+  /// The raster, aligned with the first segment by angle.
+  const RasterGrid& grid() const { return grid_; }
   bool is_empty() const { return empty_; }
   /// The received beams are [first_beam, end_beam).
   std::size_t first_beam() const { return first_beam_; }
@@ -59,7 +64,7 @@ class RasterScan {
   RasterTimes times(double known_beam_us) const;
   /// Start time of the first segment, us.
   std::uint64_t base_us() const { return begins_[0].us; }
-  /// Copies the beams [begin, begin + count) with `echoes` echoes to `out` and sets its geometry.
+  /// Copies the beams [begin, begin + count) with `echoes` echoes to `out`, all but their angles.
   void copy(std::size_t begin, std::size_t count, std::size_t echoes, bool with_intensities,
             PlanarScan& out) const;
   /// The last echo of a beam that hit a reflector; range 0: it did not.

@@ -104,6 +104,8 @@ class ScanBuilder final : public FrameBuilder {
     }
     window_segments_ = segments;
     window_ = found;
+    // Else the angles would depend on which segment came first, by a unit in the last place.
+    grid_ = raster.grid();
     first_segment_ = raster.first_segment();
     last_segment_ = raster.last_segment();
   }
@@ -139,9 +141,14 @@ class ScanBuilder final : public FrameBuilder {
     }
   }
 
+  void copy(const RasterScan& raster, BeamWindow part, std::size_t echoes, PlanarScan& to) const {
+    raster.copy(part.first, part.count, echoes, config_.publish_intensity, to);
+    to.set_angles(static_cast<float>(grid_->angle(part.first)), static_cast<float>(grid_->step));
+  }
+
   void publish(const RasterScan& raster, BeamWindow all, DriverOutput& out) {
     const BeamWindow part = kept(all);
-    raster.copy(part.first, part.count, echoes_, config_.publish_intensity, scan_);
+    copy(raster, part, echoes_, scan_);
     hide_unseen_edges(all, part);
     scan_.hide_gap(part);
     set_times(raster, part);
@@ -169,7 +176,7 @@ class ScanBuilder final : public FrameBuilder {
     marked_.stamp = scan_.stamp;
     marked_.time_increment = scan_.time_increment;
     marked_.scan_time = scan_.scan_time;
-    raster.copy(kept.first, kept.count, 1, config_.publish_intensity, marked_);
+    copy(raster, kept, 1, marked_);
     for (std::size_t i = 0; i < kept.count; ++i) {
       const RasterScan::Reflector& reflector = raster.reflector(kept.first + i);
       if (reflector.range > 0)

@@ -47,8 +47,9 @@ class TcpBench : public DriverOutput {
   }
   void request(ByteView bytes) override {
     written += bytes.text();
-    uplink.push_back({now + way_up, std::string(bytes.text())});
+    uplink.push_back({leaves_at + way_up + up_to(way_up_jitter), std::string(bytes.text())});
   }
+  Stamp leaves(Stamp) override { return leaves_at; }
   void disconnect(bool again) override {
     EXPECT_TRUE(again);
     ++disconnects;
@@ -56,6 +57,7 @@ class TcpBench : public DriverOutput {
   }
 
   void connect_now() {
+    leaves_at = now;
     device->connected(now);
     driver->connected(now, *this);
     online = true;
@@ -104,9 +106,13 @@ class TcpBench : public DriverOutput {
   std::vector<DeviceState> states;
   std::string written;
   Stamp now = scip_epoch;
-  Span way_up{50'000};
+  Span way_up{50'000}, way_up_jitter{0};
+  Span host_late{0};  // up to so long the host reads after an arrival
+  sim::Rng rng{1};
   bool online = false, auto_connect = true, muted = false;
-  bool doubled = false;  // something on the way sends everything twice
+  bool recording = false;
+  std::vector<std::pair<Stamp, std::string>> recorded;  // arrival and bytes, as a capture has them
+  bool doubled = false;                                 // something on the way sends everything twice
   int disconnects = 0;
 
  private:
@@ -115,12 +121,17 @@ class TcpBench : public DriverOutput {
     std::string bytes;
   };
 
+  Span up_to(Span most) {
+    return Span(static_cast<std::int64_t>(rng.uniform() * static_cast<double>(most.count())));
+  }
   void step(Stamp end) {
     Stamp horizon = std::min(end, next_tick);
     if (!uplink.empty()) horizon = std::min(horizon, uplink.front().time);
     if (const auto sent = device->next(horizon)) {
       now = std::max(now, sent->time);
       sweep = sent->sweep.value_or(Stamp());
+      if (recording) recorded.emplace_back(now, sent->bytes);
+      leaves_at = now + host_late / 4 + up_to(host_late);
       if (online && !muted) feed(sent->bytes);
       if (online && doubled) feed(sent->bytes);
       return;
@@ -132,12 +143,14 @@ class TcpBench : public DriverOutput {
       device->receive(up.bytes, now);
     }
     if (now >= next_tick) {
+      leaves_at = now;
       if (online) driver->tick(now, *this);
       next_tick = now + std::chrono::milliseconds(20);
     }
   }
 
   std::deque<Upward> uplink;
+  Stamp leaves_at = scip_epoch;
   Stamp next_tick = scip_epoch, reconnect = scip_epoch, sweep;
   bool cut = false;
 };

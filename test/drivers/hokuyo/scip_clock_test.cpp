@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/hokuyo/scip_clock.h"
 
+#include <array>
 #include <cmath>
 
 #include "test/drivers/hokuyo/scip_bench.h"
@@ -177,6 +178,92 @@ TEST(ScipClock, StampsOfASensorThatSendsOnItsTickAreWithinLittleMoreThanOneOfThe
       std::printf("on its tick, clock %6.0f, motor %6.0f ppm: p99 %.3f ms, worst %.3f ms, mean %+.3f ms\n",
                   clock_ppm, motor_ppm, e.p99 * 1e3, e.worst * 1e3, e.mean * 1e3);
     }
+  }
+}
+
+/// A sensor as seqsense/urg_stamped describes it, README and src/urg_sim/urg_sim.cpp, and its way to the
+/// host. Scans that leave at once are those of that simulator's UST, whose waitTick() never waits.
+struct TimedSensor {
+  const char* name;
+  const char* model;
+  bool on_tick;      ///< scans leave with the next ms
+  int time_tick_ms;  ///< of answers to TM1; 0: at once
+  Span way, jitter;
+  Span host_late{0};  ///< up to so long the host reads after an arrival
+};
+constexpr TimedSensor timed_sensors[] = {
+    {"UST, at once", "hokuyo_ust_10lx", false, 0, 400us, 100us},
+    {"UST, on 1 ms", "hokuyo_ust_10lx", true, 0, 400us, 100us},
+    {"UST, TM1 on 5 ms", "hokuyo_ust_10lx", true, 5, 100us, 50us},
+    {"UTM", "hokuyo_utm_30lx_ew", false, 0, 500us, 640us},
+    {"UTM, busy host", "hokuyo_utm_30lx_ew", false, 0, 200us, 100us, 8ms}};
+
+/// Mean errors of the stamps of a run, s: of the first second, from 1 to 5 s, to 10 s, and later.
+std::array<double, 4> biases(const TimedSensor& kind, double clock_ppm, double motor_ppm, unsigned seed) {
+  ScipDeviceOptions options;
+  options.clock_ppm = clock_ppm;
+  options.motor_ppm = motor_ppm;
+  options.processing = 0us;
+  options.time_tick_ms = kind.time_tick_ms;
+  options.counter = 123'456 + 337 * seed;
+  options.transit = {kind.way, kind.jitter, seed};
+  ScipBench bench(options, {}, kind.model);
+  bench.sensor.options().sends_on_tick = kind.on_tick;
+  bench.rng = sim::Rng(100 + seed);
+  bench.way_up = kind.way;
+  bench.way_up_jitter = kind.jitter;
+  bench.host_late = kind.host_late;
+  bench.run(25s);
+  std::array<double, 4> sum{};
+  std::array<double, 4> scans{};
+  for (std::size_t i = 0; i < bench.scans.size(); ++i) {
+    const double t = seconds(bench.arrivals[i] - scip_epoch);
+    const std::size_t part = t < 1 ? 0 : t < 5 ? 1 : t < 10 ? 2 : 3;
+    sum[part] += seconds(bench.scans[i].stamp - bench.sweeps[i]);
+    ++scans[part];
+  }
+  for (std::size_t part = 0; part < sum.size(); ++part) sum[part] /= scans[part];
+  return sum;
+}
+
+// A motor in step with the counter hides the phase: see HoldsUpToAThousandPpmWithEveryKindOfStamp.
+TEST(ScipClock, WhateverASensorWaitsForItsStampsHaveLittleBias) {
+  for (const TimedSensor& kind : timed_sensors) {
+    for (const double clock_ppm : {-1000.0, 50.0, 1000.0}) {
+      std::array<double, 4> worst{};
+      for (unsigned seed = 1; seed <= 5; ++seed) {
+        const auto bias = biases(kind, clock_ppm, 2000, seed);
+        for (std::size_t part = 0; part < bias.size(); ++part) {
+          if (std::abs(bias[part]) > std::abs(worst[part])) worst[part] = bias[part];
+        }
+      }
+      std::printf("%-16s %5.0f ppm: worst bias %+.3f, from 1 s %+.3f, from 5 s %+.3f, from 10 s %+.3f ms\n",
+                  kind.name, clock_ppm, worst[0] * 1e3, worst[1] * 1e3, worst[2] * 1e3, worst[3] * 1e3);
+      EXPECT_LT(std::abs(worst[1]), 0.5e-3) << kind.name << ", " << clock_ppm << " ppm";
+      EXPECT_LT(std::abs(worst[2]), 0.3e-3) << kind.name << ", " << clock_ppm << " ppm";
+      EXPECT_LT(std::abs(worst[3]), 0.3e-3) << kind.name << ", " << clock_ppm << " ppm";
+    }
+  }
+}
+
+TEST(ScipClock, ARecordingOfAConnectionGivesTheStampsOfTheLiveRun) {
+  for (const bool percent : {false, true}) {
+    ScipDeviceOptions options = jittery(100, 700);
+    options.processing = 7ms;
+    options.knows_percent = percent;
+    if (percent) options.firmware = "4.1.0";
+    ScipBench live(options);
+    live.recording = true;
+    live.run(3s);
+    ScipBench replay;
+    for (const auto& [arrival, bytes] : live.recorded) {
+      replay.now = arrival;
+      replay.feed(bytes, arrival == live.recorded[0].first);
+    }
+    ASSERT_EQ(replay.scans.size(), live.scans.size());
+    for (std::size_t i = 0; i < live.scans.size(); ++i)
+      ASSERT_EQ((replay.scans[i].stamp - live.scans[i].stamp).count(), 0)
+          << "scan " << i << ", % " << percent;
   }
 }
 

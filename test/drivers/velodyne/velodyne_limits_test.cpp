@@ -10,6 +10,7 @@
 #include "drivers/model.h"
 #include "drivers/registry/registry.h"
 #include "drivers/velodyne/timing.h"
+#include "test/support/captures.h"
 #include "test/support/collector.h"
 #include "test/support/velodyne_wire.h"
 
@@ -180,6 +181,41 @@ TEST(VelodyneClock, AfterAJumpNothingOfTheTimeBeforeIsLeft) {
       }
     }
   }
+}
+
+// Stamps count within an hour: a pause of a little less than whole hours looks like a late packet, but for
+// its arrival.
+TEST(VelodyneClock, APauseOfAboutWholeHoursLosesNothing) {
+  for (const ModelMode& which : {ModelMode{"velodyne_vlp16", sim::ReturnMode::strongest, ""},
+                                 ModelMode{"velodyne_vlp32c", sim::ReturnMode::dual, ""}}) {
+    const auto before = moved_stream(which, false, 1, 0, Span(0));
+    const Span lasted = before.back().arrival - before.front().arrival;
+    for (const int hours : {1, 2, 6}) {
+      for (const double more_s : {-20.0, -0.9, -0.1, -0.001, 0.003, 0.5, 20.0}) {
+        const Span away = lasted + std::chrono::hours(hours) + span_from_seconds(more_s);
+        const auto after = moved_stream(which, false, 1, away.count() / 1000, away);
+        auto both = before;
+        both.insert(both.end(), after.begin(), after.end());
+        const Counters counters = play(which.model, both).counters;
+        const std::string what =
+            which.name() + ", " + std::to_string(hours) + " h " + std::to_string(more_s) + " s";
+        EXPECT_EQ(counters.packets, both.size()) << what;
+        EXPECT_EQ(counters.lost_packets, 0U) << what;
+        EXPECT_EQ(counters.rejected_total(), 0U) << what;
+        EXPECT_EQ(counters.reordered, 0U) << what;
+        EXPECT_EQ(counters.frames, 2 * play(which.model, before).counters.frames) << what;
+      }
+    }
+  }
+}
+
+TEST(VelodyneClock, SixHoursWithPacketsAboutEachFullHourLoseNothing) {
+  LIDARD_NEED_CAPTURE(path, "velodyne/vlp16_six_hours_of_silence.pcap.gz");
+  const Counters counters = test::decode_capture(path, "velodyne_vlp16").counters;
+  EXPECT_EQ(counters.packets, 1800U);
+  EXPECT_EQ(counters.lost_packets, 0U);
+  EXPECT_EQ(counters.rejected_total(), 0U);
+  EXPECT_EQ(counters.frames, 42U);
 }
 
 TEST(VelodyneClock, ARestartInTheMiddleOfAFrameLeavesNothingOfIt) {

@@ -142,7 +142,17 @@ void ScipDevice::answer_time(const std::string& request, bool percent, Stamp now
     return;
   }
   if (!time_mode_) return send(scip_answer(request, "10"), soon);
-  send(scip_answer(request, "00", scip_line(counter(soon, percent))), soon);
+  if (options_.time_tick_ms == 0)
+    return send(scip_answer(request, "00", scip_line(counter(soon, percent))), soon);
+  const Stamp read = next_tick(soon, 1);
+  send(scip_answer(request, "00", scip_line(counter(read + Span(1000), percent))),
+       next_tick(read, options_.time_tick_ms));
+}
+
+/// When the counter shows the next multiple of so many ms.
+Stamp ScipDevice::next_tick(Stamp when, int tick_ms) const {
+  const double us = 1e3 * tick_ms;
+  return when + Span(std::llround(1e3 * (us - std::fmod(device_us(when), us))));
 }
 
 void ScipDevice::answer_order(ScipOrder order, Stamp now) {
@@ -189,8 +199,7 @@ void ScipDevice::send_scan(Stamp begin, Stamp leaves) {
     echo.replace(order_->percent ? 14 : 13, 2, number);
   }
   if (order_->percent && options_.bare_echo) echo.erase(0, 1);
-  if (options_.sends_on_tick)
-    leaves = leaves + Span(std::llround(1e6 - 1e3 * std::fmod(device_us(leaves), 1000)));
+  if (options_.sends_on_tick) leaves = next_tick(leaves, 1);
   const std::string body = scip_line(counter(begin, order_->percent)) + scip_data(what, steps);
   send(scip_answer(echo, order_->continuous ? "99" : "00", body), leaves, begin);
 }

@@ -40,6 +40,7 @@ struct ScipDeviceOptions {
   Span boot{0};                ///< after power-up it refuses (status 10) that long
   Span processing{200'000};    ///< from the last step to the first byte of the answer
   bool sends_on_tick = false;  ///< scans leave when its counter shows the next ms
+  int time_tick_ms = 0;        ///< TM1 is read on the next ms, and answered on the next tick of so many
   Transit transit;
   std::map<std::string, std::string>
       refusals;  ///< status by command ("MD", "TM0"); taken off when it is empty
@@ -80,6 +81,7 @@ class ScipDevice : public TcpDevice {
   void answer_order(ScipOrder order, Stamp now);
   void answer_time(const std::string& request, bool percent, Stamp now);
   double device_us(Stamp when) const;
+  Stamp next_tick(Stamp when, int tick_ms) const;
   std::string counter(Stamp when, bool percent) const;
   void send_scan(Stamp begin, Stamp leaves);
   std::string version() const;

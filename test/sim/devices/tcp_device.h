@@ -17,6 +17,7 @@ namespace lidard::sim {
 struct Transit {
   Span delay{50'000};
   Span jitter{0};
+  std::uint64_t seed = 1;
 };
 
 /// Bytes that a device sends, when they arrive, and the time of the sweep's step 0 behind them.
@@ -30,7 +31,7 @@ struct Outgoing {
 /// brings both.
 class TcpDevice {
  public:
-  explicit TcpDevice(Transit transit, std::uint64_t seed = 1) : transit_(transit), rng_(seed) {}
+  explicit TcpDevice(Transit transit) : transit_(transit), rng_(transit.seed) {}
   virtual ~TcpDevice() = default;
 
   /// A client came or went.

@@ -59,6 +59,29 @@ TEST(FrameBuilder, AWholeFrameIsReleasedByItsLastSegment) {
   }
 }
 
+// Each segment announces its angles as rounded floats: a program that was started in the middle of a frame
+// gives the scans of one that heard all.
+TEST(FrameBuilder, TheSegmentThatCameFirstChangesNothingInAScan) {
+  for (const std::uint32_t version : {4U, 0U}) {
+    std::vector<PlanarScan> whole;
+    for (int first = 0; first < SegmentBench::segments; ++first) {
+      SegmentBench bench;
+      bench.version = version;
+      for (int i = first; i < SegmentBench::segments; ++i) bench.send(0, i);
+      for (std::uint64_t f = 1; f < 5; ++f) bench.send_frame(f);
+      if (first == 0) whole = bench.scans;
+      ASSERT_EQ(bench.scans.size(), whole.size()) << first;
+      for (std::size_t i = 0; i < whole.size(); ++i) {
+        EXPECT_EQ(bench.scans[i].angle_min, whole[i].angle_min) << first;
+        EXPECT_EQ(bench.scans[i].angle_max, whole[i].angle_max) << first;
+        EXPECT_EQ(bench.scans[i].angle_increment, whole[i].angle_increment) << first;
+        EXPECT_EQ(bench.scans[i].time_increment, whole[i].time_increment) << first;
+        EXPECT_EQ(bench.scans[i].ranges, whole[i].ranges) << first;
+      }
+    }
+  }
+}
+
 TEST(FrameBuilder, StampIsThatOfTheFirstBeam) {
   SegmentBench bench;
   for (std::uint64_t f = 0; f < 20; ++f) bench.send_frame(f);

@@ -341,5 +341,40 @@ TEST(SegmentCapture, Lrs4000TelegramIsAWholeTurn) {
   EXPECT_FALSE(bench.has_warning("evenly"));
 }
 
+struct Scans final : DriverOutput {
+  std::vector<PlanarScan> scans;
+  void scan(PlanarScan& scan) override { scans.push_back(scan); }
+  void cloud(Cloud&) override { ADD_FAILURE() << "one layer made a cloud"; }
+};
+
+// What a daemon and a replay that began elsewhere make of the same packets.
+TEST(SegmentCapture, WhereARecordingOfAPicoScanBeginsChangesNoLaterScan) {
+  LIDARD_NEED_CAPTURE(path, "sick/picoscan150_compact_frag.pcap");
+  std::vector<PlanarScan> whole;
+  for (int left_out = 0; left_out < 12; ++left_out) {
+    DriverConfig config;
+    config.model = find_model("sick_picoscan150");
+    const auto driver = config.model->make(config);
+    Scans out;
+    PcapSource capture(path);
+    int n = 0;
+    for (Packet packet; capture.next(packet);) {
+      if (n++ >= left_out) driver->receive(packet, out);
+    }
+    if (left_out == 0) whole = out.scans;
+    ASSERT_GE(out.scans.size(), 15U);
+    ASSERT_LE(out.scans.size(), whole.size());
+    const std::size_t missing = whole.size() - out.scans.size();
+    for (std::size_t i = 0; i < out.scans.size(); ++i) {
+      const PlanarScan &one = out.scans[i], &other = whole[missing + i];
+      EXPECT_LT(std::abs(seconds(one.stamp - other.stamp)), 2e-4);
+      EXPECT_EQ(one.angle_min, other.angle_min) << left_out;
+      EXPECT_EQ(one.angle_increment, other.angle_increment) << left_out;
+      EXPECT_EQ(one.statuses, other.statuses) << left_out << " scan " << i;
+      EXPECT_EQ(one.intensities, other.intensities) << left_out;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace lidard::sick
