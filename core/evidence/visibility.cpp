@@ -114,8 +114,7 @@ void Visibility::cross(Walk& walk, const Crossings::Crossing& crossing) {
 
 /// A part of a stretch that no source sees.
 void Visibility::pass_unseen(Walk& walk, float from, float to) const {
-  const bool is_front = walk.free[front] > 0;
-  if ((walk.hidden == 0 && !is_front) || to - from <= rounding) return;
+  if (walk.hidden == 0 || to - from <= rounding) return;
   float nearest = infinite;
   for (const Layers& layers : layers_) {
     if (layers.hidden > 0) nearest = std::min(nearest, layers.behind);
@@ -153,6 +152,8 @@ BeamState Visibility::decide(std::size_t beam) {
   const auto pass = [&](float to) {
     if (!walk.is_free()) pass_unseen(walk, at, to);
     if (walk.is_blind() && to - at > rounding) blind_to_[beam] = to;
+    if (walk.is_front() && at - walk.front_to > rounding) walk.front_from = at;
+    if (walk.is_front()) walk.front_to = to;
     at = to;
   };
   for (const Crossings::Crossing& crossing : crossings_.of(beam)) {
@@ -165,10 +166,12 @@ BeamState Visibility::decide(std::size_t beam) {
     if (!walk.is_free()) end_unseen(walk, walk.end);
     // What is hidden as far as the surface says nothing of the side of the beam, unless the thing is thin.
     const float hidden_from = walk.stretch.hidden_from;
-    if (!walk.is_free() && walk.free[front] > 0)
-      body_at_[beam] = std::min(body_at_[beam], hidden_from);
-    else if (!walk.is_free() && walk.end - hidden_from > static_cast<float>(settings_.gap))
+    if (settings_.one_level && !walk.is_free() && walk.end - hidden_from > static_cast<float>(settings_.gap))
       from_behind_[beam] = 1;
+    if (walk.has_hit && walk.is_front()) {
+      body_at_[beam] = std::min(body_at_[beam], walk.front_from);
+      walk.covered = false;
+    }
   }
   if (!walk.has_hit) return walk.covered ? BeamState::free : BeamState::unobserved;
   if (!walk.covered) return BeamState::gap;

@@ -27,6 +27,8 @@ struct VisibilitySettings {
   double gap = 0.3;          ///< longest part of the way to a hit that may be unobserved, m,
   double gap_share = 0.05;   ///< or this share of the range, whichever is more; in total twice as much
   double approach = 0.12;    ///< distance before a surface as far as which the way must be free, m
+  /// All evidence is of the surfaces' own height: what is hidden as far as a surface hides that, too.
+  bool one_level = true;
   double free_required = 0;  ///< range up to which a beam must be observed to be free, m; 0: range_max
 };
 
@@ -42,8 +44,8 @@ class Visibility {
   /// What the free space of an outline means. `seen`: something would have been met there. `blind`: no beam
   /// of a lidar can look there; a surface counts although the way to it leads through, but no beam is free
   /// that does. `over`: beams lead over it, and what hides it is likely lower than the plane: it proves
-  /// nothing, but holds no body either. `front`: blind, and somewhere in it begins a thing of which the lidar
-  /// meets the top alone.
+  /// nothing, but holds no body either. `front`: blind, and what ends it is the top of a thing whose front
+  /// begins somewhere in it: a surface at the end of it does not count.
   enum Kind : std::uint8_t { seen, blind, over, front, kinds };
 
   /// For sweeps of `sources` scanners, or for the evidence of so many lidars that the caller fills in.
@@ -103,9 +105,11 @@ class Visibility {
     float unseen = 0;                 // m, in total
     bool covered = true;
     Unseen stretch{};
+    float front_from = 0, front_to = 0;  // m, of the newest part of which `front` alone is known
     /// A surface counts although the way to it leads through what is blind.
-    bool is_free() const { return free[seen] > 0 || (has_hit && free[blind] > 0); }
-    bool is_blind() const { return free[seen] == 0 && free[blind] > 0; }
+    bool is_free() const { return free[seen] > 0 || (has_hit && is_blind()); }
+    bool is_blind() const { return free[seen] == 0 && (free[blind] > 0 || free[front] > 0); }
+    bool is_front() const { return free[seen] == 0 && free[front] > 0; }
   };
   bool has_hit(std::size_t beam) const { return nearest_.range[beam] <= range_max_; }
   Kind kind_of(std::size_t source) const { return kind_of_[source]; }

@@ -97,12 +97,13 @@ inline BeamEnd mixed(const BeamEnd& a, const BeamEnd& b, float share) {
 /// The top of an object is at least as high as its highest return and lower than the lowest beam that passes
 /// over it. Both limits come from all neighbouring columns that see the object, since tops are mostly level.
 /// If the plane is close to the return, the object reaches it; if the plane is close to the beam, the object
-/// likely does not, and likely not if the returns lie on a face square to the beams, which look like a top.
+/// likely does not. Of a face square to the beams, which looks like a top, nothing is known.
 /// The object does not reach the plane if the returns lie on its level top or the beam is beneath the plane.
 class PlaneTops {
  public:
   /// Result for a beam and the one below it. `hides`: the object that the upper beam hits may extend down to
-  /// the plane behind the object that the lower beam hits.
+  /// the plane behind the object that the lower beam hits. `top_alone`: the lowest ring meets a level top above
+  /// the plane, or what may be one; nothing shows the front of the object.
   enum Verdict : std::uint8_t { none = 0, reaches = 1, stays_below = 2, hides = 3, likely_below = 4, top_alone = 5 };
 
   void find(const PlaneView& view);

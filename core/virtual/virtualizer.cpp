@@ -23,8 +23,10 @@ Virtualizer::Virtualizer(const ScanGrid& grid, HeightBand band, std::size_t fram
     : settings_(settings), band_(band), flattener_(grid, band) {
   for (std::size_t i = 0; i < lidars; ++i) lidars_.push_back(std::make_unique<Lidar>(settings.beams));
   if (!settings.visibility) return;
+  VisibilitySettings how = settings.how;
+  how.one_level = settings.mode == CutMode::slice;
   for (std::size_t i = 0; i < frames; ++i)
-    frames_.push_back(std::make_unique<Frame>(Frame{Visibility(grid, settings.how, lidars)}));
+    frames_.push_back(std::make_unique<Frame>(Frame{Visibility(grid, how, lidars)}));
 }
 
 void Virtualizer::set_footprint(const Footprint& footprint) {

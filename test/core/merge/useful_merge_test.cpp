@@ -32,7 +32,7 @@ struct Front {
   /// `change` may change the scan of scanner s.
   template <class Change>
   void sweep(Change change) {
-    stamp += span_from_seconds(0.05);
+    stamp = stamp + span_from_seconds(0.05);
     for (std::size_t s = 0; s < 2; ++s) {
       sim::FlatScanner scanner;
       scanner.at = {0, s == 0 ? 1.0 : -1.0};

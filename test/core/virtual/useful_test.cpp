@@ -118,8 +118,9 @@ double silent_share(double rad_per_s, bool with_revolution_before) {
     tell_directions(lidar, cloud);
     if (begin == Stamp{}) begin = cloud.stamp - span_from_seconds(at);
     const Span moved = begin + span_from_seconds(at) - cloud.stamp;
-    cloud.stamp += moved, cloud.end += moved;
-    for (CloudColumn& column : cloud.columns) column.stamp += moved;
+    cloud.stamp = cloud.stamp + moved;
+    cloud.end = cloud.end + moved;
+    for (CloudColumn& column : cloud.columns) column.stamp = column.stamp + moved;
     PoseTrack track;
     for (int i = -2; i <= 22; ++i)
       track.add(begin + span_from_seconds(0.01 * i), make_pose({0, 0, 0}, {0, 0, rad_per_s * 0.01 * i}));
