@@ -254,7 +254,7 @@ void PlaneTops::judge(const PlaneView& view, std::size_t ring, const Run& run) {
   for (std::size_t c = run.first; c < run.end; ++c) {
     const std::size_t i = view.grid().index(c, ring);
     if (shape == Shape::face && !above) steps_[i] = over_face;
-    if (verdicts_[i] != hides) verdicts_[i] = verdict;
+    if (verdicts_[i] != hides || verdict == top_alone) verdicts_[i] = verdict;
   }
   // Where the beam above dips beneath the plane the thing ends below it, and so does what is near.
   const std::size_t aside = columns_of(view, same_end, run.nearest);

@@ -279,7 +279,7 @@ TEST(Visibility, SectorOfAMissingScannerIsUnknownNotFree) {
   EXPECT_EQ(std::count(none.statuses.begin(), none.statuses.end(), BeamStatus::invalid), 720);
 }
 
-TEST(Visibility, WallSeenOnlyFromBehindIsKeptForSafetyAlone) {
+TEST(Visibility, OfAWallSeenFromBehindAloneNothingIsSaid) {
   // The scanner stands behind a wall and sees its far side; the output's origin is in front of it.
   Paper paper(0.5);
   paper.world = FlatWorld();
@@ -292,8 +292,7 @@ TEST(Visibility, WallSeenOnlyFromBehindIsKeptForSafetyAlone) {
   EXPECT_EQ(merged.scan(Profile::strict).statuses[360], BeamStatus::invalid);
   EXPECT_NE(merged.visibility().state(360), BeamState::hit);
   const PlanarScan& safety = merged.scan(Profile::safety);
-  ASSERT_EQ(safety.statuses[360], BeamStatus::hit);
-  EXPECT_NEAR(safety.ranges[360], 3, 0.001);
+  EXPECT_EQ(safety.statuses[360], BeamStatus::invalid) << "what it is the back of may be thick";
 }
 
 TEST(Visibility, OriginThatNoScannerSeesMakesNoClaims) {

@@ -135,14 +135,14 @@ TEST(PlaneTops, AWallGoesDownToThePlaneBehindAThingThatHidesItsFoot) {
   EXPECT_GT(hidden, 8);
 }
 
-/// Of a lidar 1.5 m above the plane: one ring meets a thing at 8 m, the next one a wall at 24 m, at these
+/// Of a lidar 1.5 m above the plane: the lowest ring meets the ground, the next one meets a thing at 8 m, the next one a wall at 24 m, at these
 /// heights above the plane.
 PlaneTops::Verdict verdict(double thing, double wall) {
   rings::SmallLidar lidar(1);
-  lidar.elevations = {std::atan2(thing - 1.5, 8), std::atan2(wall - 1.5, 24)};
-  lidar.offsets.assign(2, 0);
+  lidar.elevations = {-0.6, std::atan2(thing - 1.5, 8), std::atan2(wall - 1.5, 24)};
+  lidar.offsets.assign(3, 0);
   lidar.range = [&](std::size_t ring, std::size_t) {
-    return ring == 0 ? std::hypot(8, thing - 1.5) : std::hypot(24, wall - 1.5);
+    return ring == 0 ? 3 : ring == 1 ? std::hypot(8, thing - 1.5) : std::hypot(24, wall - 1.5);
   };
   RingGrid grid({});
   EXPECT_TRUE(grid.organise(lidar.cloud()));
@@ -156,7 +156,7 @@ PlaneTops::Verdict verdict(double thing, double wall) {
   view.set_level(0);
   PlaneTops tops;
   tops.find(view);
-  return static_cast<PlaneTops::Verdict>(tops.verdicts()[grid.index(100, 1)]);
+  return static_cast<PlaneTops::Verdict>(tops.verdicts()[grid.index(100, 2)]);
 }
 
 TEST(PlaneTops, AWallMayGoDownToThePlaneWhereTheShadowOfWhatStandsBeforeItEndsBeneath) {

@@ -64,6 +64,7 @@ TEST(UsefulVirtualScan, RingsThatHaveNotReturnedYetProveWhatTheyPass) {
   // Above the horizon nothing returns, and the plane lies 0.1 m beneath the lidar.
   Cloud cloud = seen({}, lidar16());
   Cut silent, told;
+  silent.footprint = told.footprint = Footprint({{-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}});
   silent.frame = told.frame = make_pose({0, 0, lidar_height - 0.1}, {0, 0, 0});
   silent.settings.how.free_required = told.settings.how.free_required = 12;
   silent.make(cloud, lidar16().pose);
