@@ -105,8 +105,7 @@ void RingGrid::clear_grid(std::size_t columns, std::size_t rings) {
 /// lidar, not over the ground. The last columns of the revolution before close the wedge, and come before the
 /// first column. Returns their number.
 std::size_t RingGrid::lead(const Cloud& cloud, const CloudMotion& motion) const {
-  // The beams of other lidars lie in columns that other firings fill.
-  if (!straight_ || tail_.columns.empty() || tail_.rings != cloud.rings) return 0;
+  if (tail_.columns.empty() || tail_.rings != cloud.rings) return 0;
   const CloudColumn &last = tail_.columns.back(), &first = cloud.columns.front();
   const Span between = (cloud.columns.back().stamp - first.stamp) / static_cast<std::int64_t>(cloud.columns.size());
   const double step = azimuth_step(last, first);
@@ -188,6 +187,13 @@ void RingGrid::number_columns(const Cloud& cloud, std::size_t lead) {
   clear_grid(lead + place + static_cast<std::size_t>(rest), cloud.rings);
 }
 
+/// True if a row's beam that points ahead of its column, or behind it, would lie beyond the last column or
+/// before the first one. Only a full turn goes on there.
+bool RingGrid::goes_round(std::size_t column, std::size_t row) const {
+  const bool behind = shifts_[row] > columns_ / 2;
+  return behind != (column + shifts_[row] >= columns_);
+}
+
 void RingGrid::open_column(std::size_t column, double azimuth) {
   fired_[column] = 1;
   azimuths_[column] = static_cast<float>(azimuth);
@@ -196,7 +202,7 @@ void RingGrid::open_column(std::size_t column, double azimuth) {
     return;
   }
   for (std::size_t r = 0; r < rings_; ++r) {
-    if (known_[r] == 0) continue;
+    if (known_[r] == 0 || (lead_ > 0 && goes_round(column, r))) continue;
     std::size_t to = column + shifts_[r];
     to -= to >= columns_ ? columns_ : 0;
     kind[index(to, r)] = Beam::none;
@@ -206,15 +212,14 @@ void RingGrid::open_column(std::size_t column, double azimuth) {
 void RingGrid::organise_columns(const Cloud& cloud, const CloudMotion* motion) {
   table_.set_rings(cloud);
   table_.learn(cloud, true);
-  // straight_ is that of the cloud before.
-  const std::size_t before = moved ? lead(cloud, *motion) : 0;
-  number_columns(cloud, before);
+  lead_ = moved ? lead(cloud, *motion) : 0;
+  number_columns(cloud, lead_);
   number_shifts();
   const bool moves = moved;
-  if (before > 0) {
+  if (lead_ > 0) {
     // Times count from this cloud's stamp.
     tail_.stamp = cloud.stamp;
-    fill_lead(before, *motion);
+    fill_lead(lead_, *motion);
   }
   for (std::size_t c = 0; c < cloud.columns.size(); ++c) {
     if (places_[c] == nowhere) continue;
@@ -273,7 +278,7 @@ void RingGrid::fill_column(const Cloud& cloud, std::size_t column, std::size_t p
   for (std::size_t i = cloud.columns[column].first_point; i < end; ++i) {
     const CloudPoint& point = points[i];
     const std::size_t ring = point.ring;
-    if (ring >= rings) continue;
+    if (ring >= rings || (lead_ > 0 && goes_round(place, row_of(ring)))) continue;
     std::size_t at = first + offsets[ring];
     at -= at >= cells ? cells : 0;
     if (move == nullptr && kinds[at] != Beam::point) {
@@ -319,7 +324,7 @@ void RingGrid::check(std::size_t at) {
 }
 
 void RingGrid::mark_too_near(const NearReturn& near, std::size_t place) {
-  if (near.ring >= rings_) return;
+  if (near.ring >= rings_ || (lead_ > 0 && goes_round(place, row_of(near.ring)))) return;
   const std::size_t to = (index(place, 0) + offsets_[near.ring]) % kind.size();
   if (kind[to] != Beam::point) kind[to] = Beam::own;
 }

@@ -115,6 +115,7 @@ class RingGrid {
   void keep_tail(const Cloud& cloud);
   void number_shifts();
   void open_column(std::size_t column, double azimuth);
+  bool goes_round(std::size_t column, std::size_t row) const;
   void extend_azimuths();
   void fill_column(const Cloud& cloud, std::size_t column, std::size_t place, const Pose* move);
   void find_origins(const CloudMotion& motion);
@@ -155,6 +156,7 @@ class RingGrid {
   std::vector<float> times_;                 // s after the cloud's stamp, per column
   std::vector<double> turns_;                // rad from the previous column, per column of the cloud
   std::vector<std::uint32_t> places_;        // column in the grid, per column of the cloud
+  std::size_t lead_ = 0;                     // columns of the cloud before, at the begin
   Cloud tail_;                               // the last columns of the cloud before
   std::vector<std::size_t> tail_places_;     // their columns in the grid
   std::vector<std::uint32_t> shifts_;        // columns by which a row points ahead, in [0, columns_)
