@@ -151,8 +151,8 @@ inline DeviceInfo info_of(const Driver& driver, const std::string& input = "the 
   const char* const known = driver.sends_time()
                                 ? "stamps follow the sensors' clocks"
                                 : "the device sends no time either: stamps follow its nominal period";
-  info.warnings.push_back((clock->lacks_now() ? "" : "a part of ") + input + " has no arrival times; " + known +
-                          " and are not comparable between sensors");
+  info.warnings.push_back((clock->lacks_now() ? "" : "a part of ") + input + " has no arrival times; " +
+                          known + " and are not comparable between sensors");
   return info;
 }
 

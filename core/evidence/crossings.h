@@ -49,10 +49,10 @@ class Crossings {
              bool clockwise, const Raster& raster);
   void sort(std::size_t beams);
 
-  std::vector<float> positions_;          // of the vertices, in beams
-  std::vector<std::int32_t> beams_;       // rounded up, at most the number of beams
+  std::vector<float> positions_;     // of the vertices, in beams
+  std::vector<std::int32_t> beams_;  // rounded up, at most the number of beams
   std::vector<Found> found_;
-  std::vector<std::uint32_t> firsts_;     // in sorted_, per beam, and the end
+  std::vector<std::uint32_t> firsts_;  // in sorted_, per beam, and the end
   std::vector<Crossing> sorted_;
 };
 

@@ -104,8 +104,10 @@ void Outlines::read_beams(const BeamRays& rays, const PlacedScan& sweep) {
     if (!lone.thing) pass_lone_return(clockwise ? n - 1 - lone.beam : lone.beam);
 }
 
-void Outlines::place_beam(const BeamRays& rays, const PlacedScan& sweep, std::size_t i, float reach, Beam& b) {
-  const auto at_x = static_cast<float>(rays.pose.translation().x()), at_y = static_cast<float>(rays.pose.translation().y());
+void Outlines::place_beam(const BeamRays& rays, const PlacedScan& sweep, std::size_t i, float reach,
+                          Beam& b) {
+  const auto at_x = static_cast<float>(rays.pose.translation().x()),
+             at_y = static_cast<float>(rays.pose.translation().y());
   b.length = std::min(sweep.free_to[i], reach);
   b.from = sweep.free_from[i];
   b.hides = sweep.kind[i] != Return::nothing;
@@ -163,7 +165,8 @@ bool Outlines::closes_circle() const {
   };
   const float seam = turn(n - 1, n), step = turn(0, 1);
   // The last beam may point where the first one does.
-  return seam > -0.1F * step && seam < 1.5F * step && beam(0).ux * beam(n - 1).ux + beam(0).uy * beam(n - 1).uy > 0;
+  return seam > -0.1F * step && seam < 1.5F * step &&
+         beam(0).ux * beam(n - 1).ux + beam(0).uy * beam(n - 1).uy > 0;
 }
 
 /// Adds the outline of beams [first, end), neighbours all; `closed`: they are the full circle.
@@ -178,8 +181,7 @@ void Outlines::add_run(std::size_t first, std::size_t end, bool closed, float be
   const std::size_t links = chain_.size();
   if (links < 2) return;
   for (std::size_t i = 0; i + (closed ? 0 : 1) < links; ++i) {
-    Edge& edge =
-        add_edge(chain_[i].vertex, chain_[(i + 1) % links].vertex, -1, chain_[i].hides ? 1 : 0);
+    Edge& edge = add_edge(chain_[i].vertex, chain_[(i + 1) % links].vertex, -1, chain_[i].hides ? 1 : 0);
     edge.near = chain_[i].near;
   }
   add_inner_side(first, end, closed);
@@ -257,8 +259,7 @@ void Outlines::add_inner_side(std::size_t first, std::size_t end, bool closed) {
   for (std::size_t k = first; k < end; ++k) begins_later = begins_later || beam(k).from > 0;
   if (closed && !begins_later) return;
   const std::size_t stride = begins_later ? 1 : moved_ ? path_stride : end - first;
-  const std::uint32_t start =
-      closed ? add_vertex(beam(end - 1).bx, beam(end - 1).by) : chain_.back().vertex;
+  const std::uint32_t start = closed ? add_vertex(beam(end - 1).bx, beam(end - 1).by) : chain_.back().vertex;
   std::uint32_t at = start;
   const auto lead_to = [&](std::uint32_t vertex) {
     add_edge(at, vertex, -1, 0);

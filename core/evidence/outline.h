@@ -42,16 +42,16 @@ class Outlines {
   static constexpr std::uint32_t none = 0xFFFFFFFF;
   /// A beam, or a part of one, that is free from its begin to its end.
   struct Beam {
-    float x = 0, y = 0;      ///< m, end of the free way
-    float ox = 0, oy = 0;    ///< m, the position from which the source looks
-    float ux = 0, uy = 0;    ///< direction, 1 m
-    float length = 0;        ///< m, from that position to the end; 0: no evidence
-    float from = 0;          ///< m, from that position to where the free way begins
-    float bx = 0, by = 0;    ///< m, where it begins
-    bool hides = false;      ///< a return stands at its end
-    bool to_next = false;    ///< the free space reaches straight from this end to that of the next beam
+    float x = 0, y = 0;    ///< m, end of the free way
+    float ox = 0, oy = 0;  ///< m, the position from which the source looks
+    float ux = 0, uy = 0;  ///< direction, 1 m
+    float length = 0;      ///< m, from that position to the end; 0: no evidence
+    float from = 0;        ///< m, from that position to where the free way begins
+    float bx = 0, by = 0;  ///< m, where it begins
+    bool hides = false;    ///< a return stands at its end
+    bool to_next = false;  ///< the free space reaches straight from this end to that of the next beam
     const PlacedScan::Point* corner = nullptr;  ///< the straight way bends there
-    std::uint32_t vertex = none;  ///< at its end, as soon as there is one
+    std::uint32_t vertex = none;                ///< at its end, as soon as there is one
   };
   /// What the first or last beam of a strip borders on.
   enum class Side : std::uint8_t { open, joined };
@@ -84,7 +84,8 @@ class Outlines {
   std::uint32_t add_vertex(float at_x, float at_y);
   Edge& add_edge(std::uint32_t from, std::uint32_t to, int free, int hidden);
   void read_beams(const BeamRays& rays, const PlacedScan& sweep);
-  static void place_beam(const BeamRays& rays, const PlacedScan& sweep, std::size_t i, float reach, Beam& beam);
+  static void place_beam(const BeamRays& rays, const PlacedScan& sweep, std::size_t i, float reach,
+                         Beam& beam);
   /// Beam k, counted counter-clockwise and on beyond a full circle.
   Beam& beam(std::size_t k) { return beams_[k < beams_.size() ? k : k - beams_.size()]; }
   const Beam& beam(std::size_t k) const { return beams_[k < beams_.size() ? k : k - beams_.size()]; }

@@ -60,7 +60,8 @@ void Visibility::compute(const std::vector<const PlacedScan*>& sweeps) {
   for (std::size_t s = 0; s < sweeps.size(); ++s) {
     if (sweeps[s] == nullptr) continue;
     const BeamRays& rays = rays_[s];
-    outlines(s, sweep_kinds_[s], std::abs(rays.increment), rays.pose.translation().norm()).add_sweep(rays, *sweeps[s]);
+    outlines(s, sweep_kinds_[s], std::abs(rays.increment), rays.pose.translation().norm())
+        .add_sweep(rays, *sweeps[s]);
     raster_.draw(*sweeps[s], nearest_);
     raster_.draw_mixed_pixels(*sweeps[s], mixed_pixels_);
   }
@@ -79,7 +80,8 @@ void Visibility::compute() {
 float Visibility::behind(const Outlines::Edge& edge, std::size_t beam, float at) const {
   if (edge.near == Outlines::Edge::both) return 0;
   const std::uint32_t near = edge.near == Outlines::Edge::at_from ? edge.from : edge.to;
-  return std::hypot(at * raster_.cosine(beam) - outlines_.x[near], at * raster_.sine(beam) - outlines_.y[near]);
+  return std::hypot(at * raster_.cosine(beam) - outlines_.x[near],
+                    at * raster_.sine(beam) - outlines_.y[near]);
 }
 
 /// Outlines are closed, so the layers at the origin are those that the crossings lead out of.

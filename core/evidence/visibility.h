@@ -23,10 +23,10 @@ namespace lidard {
 enum class BeamState : std::uint8_t { unobserved, free, hit, behind, gap };
 
 struct VisibilitySettings {
-  double noise = 0.02;       ///< the largest of the sources' standard deviations, m
-  double gap = 0.3;          ///< longest part of the way to a hit that may be unobserved, m,
-  double gap_share = 0.05;   ///< or this share of the range, whichever is more; in total twice as much
-  double approach = 0.12;    ///< distance before a surface as far as which the way must be free, m
+  double noise = 0.02;      ///< the largest of the sources' standard deviations, m
+  double gap = 0.3;         ///< longest part of the way to a hit that may be unobserved, m,
+  double gap_share = 0.05;  ///< or this share of the range, whichever is more; in total twice as much
+  double approach = 0.12;   ///< distance before a surface as far as which the way must be free, m
   /// All evidence is of the surfaces' own height: what is hidden as far as a surface hides that, too.
   bool one_level = true;
   double free_required = 0;  ///< range up to which a beam must be observed to be free, m; 0: range_max
@@ -99,10 +99,10 @@ class Visibility {
   struct Walk {
     std::size_t beam;
     bool has_hit;
-    float end;                        // m, of the way that must be seen
-    std::array<int, kinds> free{};    // layers that hold the point, by kind,
-    int hidden = 0;                   // and those in which a return hides it
-    float unseen = 0;                 // m, in total
+    float end;                      // m, of the way that must be seen
+    std::array<int, kinds> free{};  // layers that hold the point, by kind,
+    int hidden = 0;                 // and those in which a return hides it
+    float unseen = 0;               // m, in total
     bool covered = true;
     Unseen stretch{};
     float front_from = 0, front_to = 0;  // m, of the newest part of which `front` alone is known
@@ -126,11 +126,12 @@ class Visibility {
   std::vector<Kind> sweep_kinds_;
   Footprint body_;
   std::optional<Pose> former_from_now_;
-  float range_max_;   // m
-  float open_;        // m that a beam without a hit must be free
-  float approach_;    // m before a hit
+  float range_max_;           // m
+  float open_;                // m that a beam without a hit must be free
+  float approach_;            // m before a hit
   bool has_columns_ = false;  // evidence of lidars that the caller fills in, in place of sweeps
-  float column_ = 0;  // m per m of range before a hit, beside that: a column sees a slanting wall at one distance
+  float column_ =
+      0;  // m per m of range before a hit, beside that: a column sees a slanting wall at one distance
   Outlines outlines_;
   Crossings crossings_;
   RangeLayer nearest_;

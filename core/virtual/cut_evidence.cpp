@@ -343,7 +343,7 @@ void CutEvidence::find(const PlaneView& view, const PlaneTops& tops, HeightBand 
   // While the vehicle drives a whole turn lies between the last column and the first one.
   const bool closes = !grid.moved;
   side_ = closes ? Outlines::Side::joined : Outlines::Side::open;
-  
+
   std::size_t silent = 0;
   for (std::size_t c = 0; c < grid.columns(); ++c) {
     silent = find_column(c) ? 0 : silent + 1;

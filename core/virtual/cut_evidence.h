@@ -114,18 +114,18 @@ class CutEvidence {
   std::size_t lidar_ = 0;
   HeightBand band_;
   std::size_t rings_ = 0;
-  Raster::Point at_{};            // m, the sensor in the frame, when it fired the current column
-  float sensor_ = 0;              // m, its distance from the plane
-  float sign_ = 1;                // -1: the sensor is beneath the plane
-  std::ptrdiff_t step_ = 1;       // from a beam to the next one away from the sensor's foot
-  std::size_t nearest_ring_ = 0;  // to the sensor's foot
-  bool clockwise_ = false;        // order of the columns
-  bool tilted_ = false;           // the beams of a column have different directions in the plane
-  std::vector<std::uint8_t> marks_;      // by RingGrid::index()
+  Raster::Point at_{};               // m, the sensor in the frame, when it fired the current column
+  float sensor_ = 0;                 // m, its distance from the plane
+  float sign_ = 1;                   // -1: the sensor is beneath the plane
+  std::ptrdiff_t step_ = 1;          // from a beam to the next one away from the sensor's foot
+  std::size_t nearest_ring_ = 0;     // to the sensor's foot
+  bool clockwise_ = false;           // order of the columns
+  bool tilted_ = false;              // the beams of a column have different directions in the plane
+  std::vector<std::uint8_t> marks_;  // by RingGrid::index()
   struct Lone {
     std::size_t beam, shown_by;
   };
-  std::vector<Lone> lone_;               // by beam
+  std::vector<Lone> lone_;  // by beam
   // Of the current column.
   float farthest_ = 0;     // m, nearest object in the band
   float looked_from_ = 0;  // m, whole_band_from()

@@ -217,7 +217,8 @@ PlaneTops::Shape PlaneTops::shape_of(const PlaneView& view, std::size_t ring, co
     // The return behind may belong to another thing, unless both lie on one level, or the beam passes so low
     // that the nearer thing hardly reaches the plane.
     const float rise = ground.height[i + 1] - ground.height[i];
-    const bool may_be_top = rise > -flat_slack && (rise < flat_slack || (run.top < 0 && passing_over(view, i + 1) < flush)) &&
+    const bool may_be_top = rise > -flat_slack &&
+                            (rise < flat_slack || (run.top < 0 && passing_over(view, i + 1) < flush)) &&
                             (ring + 1 >= grid.rings() || steps_[i + 2] == step);
     tops += same_side && may_be_top && view.distance(i + 1) - view.distance(i) < deepest_top ? 1.0F : 0.0F;
     if (ring < 2 || grid.kind[i - 1] != Beam::point) continue;

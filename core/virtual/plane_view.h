@@ -102,9 +102,16 @@ inline BeamEnd mixed(const BeamEnd& a, const BeamEnd& b, float share) {
 class PlaneTops {
  public:
   /// Result for a beam and the one below it. `hides`: the object that the upper beam hits may extend down to
-  /// the plane behind the object that the lower beam hits. `top_alone`: the lowest ring meets a level top above
-  /// the plane, or what may be one; nothing shows the front of the object.
-  enum Verdict : std::uint8_t { none = 0, reaches = 1, stays_below = 2, hides = 3, likely_below = 4, top_alone = 5 };
+  /// the plane behind the object that the lower beam hits. `top_alone`: the lowest ring meets a level top
+  /// above the plane, or what may be one; nothing shows the front of the object.
+  enum Verdict : std::uint8_t {
+    none = 0,
+    reaches = 1,
+    stays_below = 2,
+    hides = 3,
+    likely_below = 4,
+    top_alone = 5
+  };
 
   void find(const PlaneView& view);
   /// By RingGrid::index() of the upper beam.

@@ -107,7 +107,8 @@ void RingGrid::clear_grid(std::size_t columns, std::size_t rings) {
 std::size_t RingGrid::lead(const Cloud& cloud, const CloudMotion& motion) const {
   if (tail_.columns.empty() || tail_.rings != cloud.rings) return 0;
   const CloudColumn &last = tail_.columns.back(), &first = cloud.columns.front();
-  const Span between = (cloud.columns.back().stamp - first.stamp) / static_cast<std::int64_t>(cloud.columns.size());
+  const Span between =
+      (cloud.columns.back().stamp - first.stamp) / static_cast<std::int64_t>(cloud.columns.size());
   const double step = azimuth_step(last, first);
   if (!(step > 0 && step < 2.5 * step_) || first.stamp < last.stamp || first.stamp - last.stamp > 5 * between)
     return 0;

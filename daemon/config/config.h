@@ -133,7 +133,7 @@ struct MergedScanConfig {
   bool veil_filter = true;
   double range_noise = 0.02;  ///< m, one standard deviation of the sources' ranges
   std::map<std::string, SourceSettings> source_settings;  ///< of sources that differ from the rest, by name
-  double free_required = 0;  ///< m that a beam must be observed to be free; 0: range_max
+  double free_required = 0;                ///< m that a beam must be observed to be free; 0: range_max
   std::vector<std::string> free_requires;  ///< sources of which one must see a free beam's way; empty: any
 
   /// True if some scan of this merge is more than points.

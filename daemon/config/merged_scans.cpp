@@ -149,8 +149,7 @@ void read_free_requires(const Mapping& yaml, const SourceList& list, Merged& mer
     const std::string name = one.text();
     const auto count = static_cast<std::ptrdiff_t>(list.names.size());
     auto at = std::find(list.names.begin(), list.names.end(), name) - list.names.begin();
-    if (at == count)
-      at = std::find(list.written.begin(), list.written.end(), name) - list.written.begin();
+    if (at == count) at = std::find(list.written.begin(), list.written.end(), name) - list.written.begin();
     if (at == count) one.fail("is " + one.quoted() + ", which is no source of it", expected);
     merged.free_requires.push_back(list.names[static_cast<std::size_t>(at)]);
   }
@@ -174,10 +173,11 @@ void ask_about_heights(const Mapping& yaml, const SourceList& list, const Merged
     highest = std::max(highest.value_or(z), z);
   }
   if (!lowest || *highest - *lowest <= one_height) return;
-  reading.warn(yaml.where("laserscan_topics").place(),
-               fmt::format("{} merges scanners {:.2f} to {:.2f} m high: a beam is free where one of them sees its "
-                           "way, whatever stands lower or higher; name those that must see it in free_requires",
-                           yaml.self().path(), *lowest, *highest));
+  reading.warn(
+      yaml.where("laserscan_topics").place(),
+      fmt::format("{} merges scanners {:.2f} to {:.2f} m high: a beam is free where one of them sees its "
+                  "way, whatever stands lower or higher; name those that must see it in free_requires",
+                  yaml.self().path(), *lowest, *highest));
 }
 
 void claim_topics(const Mapping& yaml, const Merged& merged, Reading& reading) {

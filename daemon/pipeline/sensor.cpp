@@ -292,8 +292,8 @@ SensorReport Sensor::report() const {
   report.model = driver_ ? std::string(config_.model->name) : "topic";
   report.counters = counters();
   if (driver_)
-    report.info = config_.packet_topic.empty() ? info_of(*driver_)
-                                               : info_of(*driver_, "topic " + config_.packet_topic);
+    report.info =
+        config_.packet_topic.empty() ? info_of(*driver_) : info_of(*driver_, "topic " + config_.packet_topic);
   if (filter_) {
     report.filter = filter_->counters();
     report.filter_trouble = filter_trouble(filter_->counters(), topic_->name);

@@ -32,8 +32,8 @@ struct SlowRule::Scene {
 
   struct Beam {
     Point origin, ray;
-    double from = 0, to = 0, step = 0;   // m; to == 0: no evidence; rad to the next beam
-    bool returns = false;  // at its end
+    double from = 0, to = 0, step = 0;  // m; to == 0: no evidence; rad to the next beam
+    bool returns = false;               // at its end
   };
 
   /// Between beams or borders a and b, b counter-clockwise of a.
@@ -130,7 +130,8 @@ struct SlowRule::Scene {
         left.to = right.to = std::min(beams[i - 1].to, beams[i + 1].to);
         if (beams[i].to <= 0 || left.to < left.from) continue;
         for (Beam* border : {&right, &left}) {
-          const double angle = angle_between(beams[i].ray, border == &right ? beams[i - 1].ray : beams[i + 1].ray);
+          const double angle =
+              angle_between(beams[i].ray, border == &right ? beams[i - 1].ray : beams[i + 1].ray);
           const double share = 1 - std::min(passed / std::max(std::fabs(angle), touch), 0.5);
           border->ray = Eigen::Rotation2Dd(share * angle) * border->ray;
         }

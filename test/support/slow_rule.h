@@ -13,7 +13,7 @@
 namespace lidard::sim {
 
 struct SlowRuleSettings {
-  double edge = 0.004;             ///< m; nearer to an edge than this, rounding may decide
+  double edge = 0.004;  ///< m; nearer to an edge than this, rounding may decide
 };
 
 /// What may be said of a beam in profile strict.

@@ -117,7 +117,8 @@ TEST(PlacedScan, OutlineThatReachesALittleBeyondAScannerOnItsBorderDoesNotBlindI
     EXPECT_EQ(c.sweep.kind[c.towards((direction - 45) * degree)], Return::surface) << direction;
   }
   // Along the front, and through the body.
-  EXPECT_EQ(c.sweep.seen_through, static_cast<std::uint64_t>(std::count(c.sweep.passes_vehicle.begin(), c.sweep.passes_vehicle.end(), 1)));
+  EXPECT_EQ(c.sweep.seen_through, static_cast<std::uint64_t>(std::count(c.sweep.passes_vehicle.begin(),
+                                                                        c.sweep.passes_vehicle.end(), 1)));
 }
 
 TEST(PlacedScan, ScannerAboveTheVehicleSeesOverIt) {

@@ -74,7 +74,8 @@ struct PostScene {
     for (std::size_t i = 0; i < strict.beams; ++i) {
       const auto angle = static_cast<double>(strict.angle(i));
       const double truth = world.cast(origin, angle), aside = edge / truth;
-      if (truth > limit || world.cast(origin, angle - aside) > limit || world.cast(origin, angle + aside) > limit)
+      if (truth > limit || world.cast(origin, angle - aside) > limit ||
+          world.cast(origin, angle + aside) > limit)
         continue;
       ++blocked;
       for (const PlanarScan* scan : {&strict, &safety}) free += scan->statuses[i] == BeamStatus::none ? 1 : 0;

@@ -71,7 +71,8 @@ TEST(UsefulMergedScan, DropsTakeLittleOfTheFreeSpace) {
     for (int i = 0; i < 3; ++i) {
       front.sweep([&, share = share](std::size_t, PlanarScan& scan) {
         for (std::size_t b = 0; b < scan.beams; ++b)
-          if (front.rng.uniform() < share) scan.set_hit(b, static_cast<float>(0.3 + 4.7 * front.rng.uniform()));
+          if (front.rng.uniform() < share)
+            scan.set_hit(b, static_cast<float>(0.3 + 4.7 * front.rng.uniform()));
       });
       EXPECT_GE(front.free_ahead(), wanted) << share;
     }

@@ -137,7 +137,8 @@ void expect_proof(Scene& scene, const Proof& proof, std::size_t column) {
   ASSERT_EQ(pieces.size(), expected.size()) << column;
   for (std::size_t p = 0; p < pieces.size(); ++p) {
     // The neighbours may meet a slanting wall a little nearer or farther.
-    ASSERT_NEAR(pieces[p].from, expected[p].from, 0.003 + 1e-3 * expected[p].from) << column << " piece " << p;
+    ASSERT_NEAR(pieces[p].from, expected[p].from, 0.003 + 1e-3 * expected[p].from)
+        << column << " piece " << p;
     ASSERT_NEAR(pieces[p].to, expected[p].to, 0.003 + 1e-3 * expected[p].to) << column << " piece " << p;
   }
   const std::vector<Piece> blind = scene.pieces(column, Visibility::blind);

@@ -135,8 +135,8 @@ TEST(PlaneTops, AWallGoesDownToThePlaneBehindAThingThatHidesItsFoot) {
   EXPECT_GT(hidden, 8);
 }
 
-/// Of a lidar 1.5 m above the plane: the lowest ring meets the ground, the next one meets a thing at 8 m, the next one a wall at 24 m, at these
-/// heights above the plane.
+/// Of a lidar 1.5 m above the plane: the lowest ring meets the ground, the next one meets a thing at 8 m, the
+/// next one a wall at 24 m, at these heights above the plane.
 PlaneTops::Verdict verdict(double thing, double wall) {
   rings::SmallLidar lidar(1);
   lidar.elevations = {-0.6, std::atan2(thing - 1.5, 8), std::atan2(wall - 1.5, 24)};

@@ -20,7 +20,10 @@ Cloud with_drops(const Cloud& clear, const sim::YardLidar& lidar, double share, 
       returns[clear.points()[i].ring] = &clear.points()[i];
     for (std::size_t ring = 0; ring < returns.size(); ++ring) {
       const CloudPoint* const own = returns[ring];
-      const double range = own == nullptr ? 100 : std::sqrt(static_cast<double>(own->x * own->x + own->y * own->y + own->z * own->z));
+      const double range =
+          own == nullptr
+              ? 100
+              : std::sqrt(static_cast<double>(own->x * own->x + own->y * own->y + own->z * own->z));
       const double at = 0.5 + 5 * rng.uniform(), e = lidar.elevations[ring];
       const auto azimuth = -static_cast<double>(clear.columns[c].azimuth);
       if (rng.uniform() < share && at < range)
@@ -85,7 +88,8 @@ TEST(UsefulVirtualScan, OfAThingWhoseTopAloneIsMetNothingIsSaidOfItsFront) {
     for (double deg = -20; deg <= 20; deg += 0.5) {
       const std::size_t beam = cut.grid.nearest(deg * degree);
       EXPECT_EQ(cut.strict.statuses[beam] == BeamStatus::hit, false) << height << " m, " << deg;
-      EXPECT_FALSE(cut.range(cut.safety, deg * degree) > 1.81 / std::cos(deg * degree)) << height << " m, " << deg;
+      EXPECT_FALSE(cut.range(cut.safety, deg * degree) > 1.81 / std::cos(deg * degree))
+          << height << " m, " << deg;
       EXPECT_NE(cut.safety.statuses[beam], BeamStatus::none);
     }
   }
@@ -105,7 +109,8 @@ TEST(UsefulVirtualScan, SafetySaysNoRangeOfWhatIsSeenFromItsOtherSideAlone) {
 double silent_share(double rad_per_s, bool with_revolution_before) {
   constexpr double revolution_s = 0.1;
   sim::Yard yard;
-  yard.objects = {wall(15, -15, 15, 15), wall(15, 15, -15, 15), wall(-15, 15, -15, -15), wall(-15, -15, 15, -15)};
+  yard.objects = {wall(15, -15, 15, 15), wall(15, 15, -15, 15), wall(-15, 15, -15, -15),
+                  wall(-15, -15, 15, -15)};
   Cut cut;
   Virtualizer virtualizer(cut.grid, {}, 1, cut.settings);
   PlanarScan strict;
@@ -128,9 +133,11 @@ double silent_share(double rad_per_s, bool with_revolution_before) {
     CloudMotion motion;
     EXPECT_TRUE(motion.find(cloud, mount, track));
     virtualizer.set_cloud(cloud, mount, &motion);
-    virtualizer.project(0, make_pose({1.5, 0, 1.6}, {0, 0, 0}).inverse() * mount, {{Profile::strict, &strict}});
+    virtualizer.project(0, make_pose({1.5, 0, 1.6}, {0, 0, 0}).inverse() * mount,
+                        {{Profile::strict, &strict}});
   }
-  return static_cast<double>(std::count_if(strict.ranges.begin(), strict.ranges.end(), [](float r) { return std::isnan(r); })) /
+  return static_cast<double>(std::count_if(strict.ranges.begin(), strict.ranges.end(),
+                                           [](float r) { return std::isnan(r); })) /
          static_cast<double>(strict.beams);
 }
 

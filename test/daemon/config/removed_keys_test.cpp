@@ -9,10 +9,10 @@ namespace lidard {
 namespace {
 
 TEST(RemovedKeys, AreAnsweredWithWhatToDoInstead) {
-  EXPECT_EQ(
-      test::merged_error("laserscan_topics: rear, conflicts: all"),
-      "f:7:31: merged_scans.m.conflicts is a key of former versions; expected no such key: every return counts "
-      "until its source sends a newer sweep");
+  EXPECT_EQ(test::merged_error("laserscan_topics: rear, conflicts: all"),
+            "f:7:31: merged_scans.m.conflicts is a key of former versions; expected no such key: every "
+            "return counts "
+            "until its source sends a newer sweep");
   EXPECT_EQ(test::virtual_error("cloud_topic: roof, virtual_laser_scan: a, keep_ground: true"),
             "f:7:49: virtual_scans.v.keep_ground is a key of former versions; expected ground: none");
   EXPECT_EQ(
