@@ -56,21 +56,6 @@ void add(Sums& sums, const Merger& merger) {
 
 constexpr const char* profiles[] = {"strict", "safety", "flatten"};
 
-TEST(Golden, RandomMergesGiveWhatTheyGaveBefore) {
-  Sums sums;
-  for (std::uint32_t seed = 100; seed < 120; ++seed) {
-    const auto bytes = random_bytes(seed, 12000);
-    sim::merge_bytes(bytes.data(), bytes.size(), [&](const sim::RandomMerge& merge) {
-      for (std::size_t i = 0; i < 3; ++i) sums.scan(profiles[i], merge.scans[i]);
-      sums.cloud("cloud", merge.cloud);
-      for (const SourceUse use : merge.report.sources) sums.add_exact("use", static_cast<int>(use));
-      add(sums, merge.merger);
-      add(sums, merge.mounts);
-    });
-  }
-  test::expect_golden("core_random_merges.txt", sums.text());
-}
-
 TEST(Golden, RandomCloudsAreCutAsBefore) {
   Sums sums;
   for (std::uint32_t seed = 200; seed < 220; ++seed) {
