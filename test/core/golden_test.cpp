@@ -15,7 +15,6 @@
 #include "core/virtual/virtualizer.h"
 #include "test/support/merge_score.h"
 #include "test/support/random_cloud.h"
-#include "test/support/random_merge.h"
 #include "test/support/yard.h"
 
 namespace lidard {
