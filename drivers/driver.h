@@ -44,6 +44,9 @@ struct Packet {
 struct Verdict {
   bool has_data = false;         ///< measurement data, good or bad (not telemetry or answers of a dialogue)
   Reject reject = Reject::none;  ///< why data of this packet, or of the held back one, was rejected
+  /// What distinguishes its device from another one with the same address ("scanner 17"), until the next
+  /// packet; empty: nothing does.
+  std::string_view device{};
 };
 
 /// Name of the extra scan whose intensities hold the device's flags of each beam.
@@ -85,8 +88,6 @@ struct DeviceInfo {
   std::vector<std::pair<std::string, std::string>> details;  ///< for diagnostics, in display order
   std::vector<std::string> warnings;                         ///< full sentences, each with its remedy
   bool has_fault = false;  ///< one of the warnings says that the device itself is in error
-  /// Two devices whose data come from one address ("scanner 17 and scanner 18"); empty: one device sends.
-  std::string two_devices;
 
   /// Sets a detail; a new one is appended.
   void set(std::string_view key, std::string_view value) {

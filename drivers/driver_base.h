@@ -76,9 +76,17 @@ class DriverBase : public Driver {
   /// Counts the verdict on an item and adds it to `all`, the verdict on the bytes that hold it.
   void include_verdict(const Verdict& item, Verdict& all) {
     all.has_data = all.has_data || item.has_data;
+    all.device = item.device;
     if (item.reject == Reject::none) return;
     counters_.reject(item.reject);
     all.reject = item.reject;
+  }
+
+  /// For Verdict::device, "scanner 17"; without a number (0) nothing.
+  std::string_view device_named(const char* kind, std::uint32_t number) {
+    if (number == 0) return {};
+    if (std::exchange(device_, number) != number) device_name_ = kind + std::to_string(number);
+    return device_name_;
   }
 
   /// True if the bytes equal those of the last call: the network duplicates packets.
@@ -95,6 +103,8 @@ class DriverBase : public Driver {
 
  private:
   Stamp clock_described_;
+  std::uint32_t device_ = 0;
+  std::string device_name_;
   std::string last_item_;
 };
 

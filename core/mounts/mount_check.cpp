@@ -28,6 +28,8 @@ constexpr std::size_t comparisons_of_change = 6;
 // A pose far from the configured one must explain so much more of the returns that both should see. Farther off,
 // another wall of a room that looks alike from both ends would do.
 constexpr double better_share = 0.1, largest_shift_m = 1.5;
+// Two surfaces fit at more than one pose, unless it explains so many of the returns.
+constexpr double certain_share = 0.9;
 // If less than this share of them is where both look, none sees what the other sees: scanners of different
 // heights agree on more. So many must be judged.
 constexpr double astray_share = 0.4;
@@ -140,9 +142,11 @@ MatchedPose MountCheck::match(std::size_t index, const PlanarPose& configured, S
       refine_match(first.surfaces, second.surfaces,
                    far ? *far : match_surfaces(first.surfaces, second.surfaces, configured));
   const double moved = std::hypot(other.pose.x - configured.x, other.pose.y - configured.y);
+  const double share = agreement(first, second, other.pose).share();
+  const bool is_unique =
+      other.pairs > fewest_surfaces || (other.pairs == fewest_surfaces && share >= certain_share);
   const bool is_better = moved < largest_shift_m && now.judged() >= fewest_judged &&
-                         other.pairs > std::max(near.pairs, fewest_surfaces) &&
-                         agreement(first, second, other.pose).share() >= now.share() + better_share;
+                         other.pairs > near.pairs && is_unique && share >= now.share() + better_share;
   far = is_better ? std::optional<PlanarPose>(other.pose) : std::nullopt;
   const bool is_astray = !is_better && near.pairs < fewest_surfaces && now.judged() >= fewest_judged &&
                          now.share() < astray_share;

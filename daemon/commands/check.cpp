@@ -115,34 +115,26 @@ class Forecast {
     if (are_small && std::any_of(angles.begin(), angles.end(), looks_like_rad))
       add(turn, "looks like rad and is taken as degrees; in rad the key is rpy");
   }
-  /// The range of a sensor, or up to `most` m of it, as seen from `frame`.
-  double reach_of(const SensorConfig* sensor, const std::string& frame, double most = unknown_reach) const {
+  /// m from `frame` that a sensor proves free without a return, `most` by the settings of its output.
+  double proven_by(const SensorConfig* sensor, const std::string& frame, double most) const {
     if (sensor == nullptr || sensor->model == nullptr || sensor->model->range_max <= 0) return most;
     const double own = std::min(most, sensor->model->range_max), limit = sensor->driver.max_range;
     const auto pose = pose_of(frame, sensor->frame_id);
     return pose ? (limit > 0 ? std::min(own, limit) : own) + pose->translation().norm() : unknown_reach;
   }
-  /// Checks that the sources see as far as a free beam requires, and prove it without a return (`proven`);
-  /// `free_required`: 0: range_max.
+  /// Checks that the sources prove as much free as a free beam requires; `free_required`: 0: range_max.
   template <class Output>
-  void question_reach(const Value& entry, const Output& output, double reach, double proven,
-                      double free_required = 0) {
+  void question_reach(const Value& entry, const Output& output, double proven, double free_required = 0) {
     const double range_max = output.output.grid.range_max;
     const double wanted = free_required > 0 ? std::min(free_required, range_max) : range_max;
     if (output.has_visibility() && output.output.unobserved == EmptyBeam::inf)
       add(value_of(entry, "unobserved"), "is inf: what nobody has seen looks as what is free");
-    if (!output.has_visibility() || wanted <= std::min(reach, proven)) return;
+    if (!output.has_visibility() || wanted <= proven) return;
     const Value key = value_of(entry, free_required > 0 ? "free_required" : "range_max");
-    add(key,
-        "is " + number_text(wanted) + " m, and " +
-            (wanted > reach
-                 ? printed("its sources see no farther than %.1f m: no beam of profile strict or safety is "
-                           "ever free (+inf)",
-                           reach)
-                 : printed("without return its sources prove no more than %.1f m free "
-                           "(no_return_free_range): in an open field no beam of profile strict or safety "
-                           "is free (+inf)",
-                           proven)));
+    add(key, "is " + number_text(wanted) + " m, and without return its sources prove no more than " +
+                 printed("%.1f m free (by their range and no_return_free_range): in an open field no beam of "
+                         "profile strict or safety is free (+inf)",
+                         proven));
   }
   /// Checks that a sensor sees most of the sector between angle_min and angle_max.
   void question_sector(const Value& entry, const SensorConfig* sensor, const Sector& sector) {
@@ -198,17 +190,16 @@ class Forecast {
   }
   void check(const MergedScanConfig& merged) {
     const Value entry = value_of(value_of(root_, "merged_scans"), merged.name);
-    double reach = 0, proven = 0;
+    double proven = 0;
     for (const std::string& source : merged.laserscan_topics) {
       const SensorConfig* sensor = config_.find_sensor(source);
-      reach = std::max(reach, reach_of(sensor, merged.destination_frame));
       const auto set = merged.source_settings.find(source);
       const SourceSettings own = set == merged.source_settings.end() ? SourceSettings() : set->second;
-      proven = std::max(proven, reach_of(sensor, merged.destination_frame, own.no_return_free_range));
+      proven = std::max(proven, proven_by(sensor, merged.destination_frame, own.no_return_free_range));
       question_sector(value_of(value_of(entry, "source_settings"), source), sensor,
                       sector_between(own.angle_min, own.angle_max));
     }
-    question_reach(entry, merged, reach, proven, merged.free_required);
+    question_reach(entry, merged, proven, merged.free_required);
     check_merged(entry, merged, merged.laserscan_topics, !config_.vehicle.footprint.empty());
   }
   void check(const MergedCloudConfig& merged) {
@@ -239,14 +230,13 @@ class Forecast {
     const VehicleConfig& vehicle = config_.vehicle;
     const std::vector<std::string> lidars = config_.lidars_of(group);
     for (const auto& [frame, pose] : group.poses) question(value_of(value_of(entry, "poses"), frame), pose);
-    double reach = 0, proven = 0;
+    const double most = group.no_return_free_range > 0 ? group.no_return_free_range : unknown_reach;
+    double proven = 0;
     for (const std::string& lidar : lidars) {
-      for (const std::string& frame : group.virtual_laser_scan) {
-        reach = std::max(reach, reach_of(config_.find_sensor(lidar), frame));
-        proven = std::max(proven, reach_of(config_.find_sensor(lidar), frame, group.no_return_free_range));
-      }
+      for (const std::string& frame : group.virtual_laser_scan)
+        proven = std::max(proven, proven_by(config_.find_sensor(lidar), frame, most));
     }
-    question_reach(entry, group, reach, group.no_return_free_range > 0 ? proven : reach);
+    question_reach(entry, group, proven);
     // Of several each sees where another one is blind.
     if (lidars.size() == 1) question_origins(entry, group, lidars[0]);
     std::set<std::string> unplaced, unknown;

@@ -5,13 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory>
-#include <utility>
+#include <vector>
 
 #include "core/base/angle.h"
+#include "core/frames/ring_scan.h"
 #include "daemon/pipeline/pipeline.h"
 #include "drivers/calibration.h"
 #include "drivers/driver_base.h"
+#include "drivers/registry/registry.h"
 
 namespace lidard {
 namespace {
@@ -23,31 +24,39 @@ constexpr Span period = std::chrono::milliseconds(100);
 /// Until an output no longer waits for a source that never comes.
 constexpr int field_rounds = 5;
 
-/// Where a sensor is in base_frame, for its driver.
-const Pose& place_of(const Model& model) { return *static_cast<const Pose*>(model.row); }
+bool does_hold(Limit limit, Limit holds) { return holds == Limit::all || holds == limit; }
 
-/// Answers every packet with a frame of the empty field.
-class FieldDriver final : public DriverBase {
+/// Sends what a sensor measures in the empty field.
+class FieldSensor {
  public:
-  explicit FieldDriver(const DriverConfig& config)
-      : DriverBase(config), field_(config.model->field), place_(place_of(*config.model)) {
-    prepare_scan(config, scan_);
+  FieldSensor(const SensorConfig& config, const FieldOfView& view, const Pose& place, bool has_reach)
+      : config_(config), view_(view), place_(place) {
+    const double limit = config.driver.max_range, most = config.model->range_max;
+    farthest_ = !has_reach ? far_m : limit > 0 ? std::min(limit, most) : most;
+    scan_.frame_id = cloud_.frame_id = config.frame_id;
+    scan_.range_min = static_cast<float>(config.model->range_min);
+    scan_.range_max = static_cast<float>(has_reach ? most : far_m);
     scan_.scan_time = static_cast<float>(seconds(period));
-    choose_beams(config, field_.first_deg * rad_per_deg, field_.step_deg * rad_per_deg, field_.beams, scan_);
-    const double most = config.model->range_max;
-    farthest_ = config.max_range > 0 ? std::min(config.max_range, most) : most;
+    choose_beams(config.driver, view.first_deg * rad_per_deg, view.step_deg * rad_per_deg, view.beams, scan_);
+    cloud_.rings = static_cast<std::uint16_t>(view.elevations_deg.size());
+    cloud_.complete = true;
+    cloud_.max_range = has_reach ? limit : 0;
+    if (config.ring_scan) ring_scan_.emplace(*config.ring_scan);
   }
-  Verdict receive(const Packet& packet, DriverOutput& out) override {
-    ++counters_.packets;
-    ++counters_.frames;
-    if (config_.model->kind == FrameKind::scan)
-      send_scan(packet.arrival, out);
-    else
-      send_cloud(packet.arrival, out);
+
+  /// Also keeps what it sends.
+  void send(Stamp now, Pipeline& pipeline, FrameKeeper& frames) {
+    if (config_.model->kind == FrameKind::scan) {
+      measure_scan(now - period);
+      frames.publish(frame_topic(config_), scan_, now);
+      return pipeline.scan_message(config_.name, scan_, now);
+    }
+    measure_cloud(now - period);
+    frames.publish(frame_topic(config_), cloud_, now);
+    pipeline.cloud_message(config_.name, cloud_, now);
+    if (ring_scan_ && ring_scan_->convert(cloud_, scan_)) pipeline.scan_message(config_.name, scan_, now);
     is_first_ = false;
-    return {true, Reject::none};
   }
-  void restart() override {}
 
  private:
   /// m from the sensor to the ground in a direction of its frame.
@@ -55,81 +64,67 @@ class FieldDriver final : public DriverBase {
     const double height = place_.translation().z(), climb = (place_.linear() * direction).z();
     return height > 0 && climb < 0 ? height / -climb : infinite;
   }
-  void send_scan(Stamp at, DriverOutput& out) {
+  void measure_scan(Stamp begin) {
     scan_.reset(scan_.beams, 1, false);
-    scan_.stamp = at;
+    scan_.stamp = begin;
     for (std::size_t i = 0; i < scan_.beams; ++i) {
       const auto angle = static_cast<double>(scan_.angle(i));
       scan_.set_measured(i, static_cast<float>(to_ground({std::cos(angle), std::sin(angle), 0})));
     }
-    if (scan_.beams > 0) out.scan(scan_);
   }
-  void send_cloud(Stamp at, DriverOutput& out) {
-    cloud_.clear();
-    cloud_.frame_id = config_.frame_id;
-    cloud_.stamp = at;
-    cloud_.end = at + period;
-    cloud_.rings = static_cast<std::uint16_t>(field_.elevations_deg.size());
-    cloud_.complete = true;
-    cloud_.max_range = config_.max_range;
+  void measure_cloud(Stamp begin) {
+    cloud_.points_bytes.clear();
+    cloud_.columns.clear();
+    cloud_.stamp = begin;
+    cloud_.end = begin + period;
     // A Velodyne turns clockwise.
-    for (std::size_t c = 0; c < field_.beams; ++c) {
-      const double turned = static_cast<double>(c) * field_.step_deg * rad_per_deg;
-      const double angle = -field_.first_deg * rad_per_deg - turned;
-      if (config_.in_view(angle)) add_column(at, angle, static_cast<double>(c));
+    for (std::size_t c = 0; c < view_.beams; ++c) {
+      const double angle = -(view_.first_deg + static_cast<double>(c) * view_.step_deg) * rad_per_deg;
+      const double share = static_cast<double>(c) / static_cast<double>(view_.beams);
+      if (config_.driver.in_view(angle)) add_column(angle, seconds(period) * share);
     }
-    out.cloud(cloud_);
   }
-  void add_column(Stamp at, double angle, double number) {
-    const double share = number / static_cast<double>(field_.beams);
-    if (config_.model->has(Trait::silent_beams_are_free)) {
-      CloudColumn column{};
-      column.first_point = static_cast<std::uint32_t>(cloud_.size());
-      column.azimuth = static_cast<float>(angle <= 0 ? -angle : two_pi - angle);
-      column.stamp = at + span_from_seconds(share * seconds(period));
-      cloud_.columns.push_back(column);
-    }
-    for (std::size_t ring = 0; ring < field_.elevations_deg.size(); ++ring) {
-      const double up = field_.elevations_deg[ring] * rad_per_deg;
+  void add_column(double angle, double time_s) {
+    CloudColumn column{};
+    column.first_point = static_cast<std::uint32_t>(cloud_.size());
+    column.azimuth = static_cast<float>(angle <= 0 ? -angle : two_pi - angle);
+    column.stamp = cloud_.stamp + span_from_seconds(time_s);
+    cloud_.columns.push_back(column);
+    const double known_from_m = is_first_ ? std::min(20.0, farthest_ / 2) : infinite;
+    for (std::size_t ring = 0; ring < view_.elevations_deg.size(); ++ring) {
+      const double up = view_.elevations_deg[ring] * rad_per_deg;
       const Eigen::Vector3d direction(std::cos(up) * std::cos(angle), std::cos(up) * std::sin(angle),
                                       std::sin(up));
-      const double known_from_m = std::min(20.0, farthest_ / 2);
-      const double range = std::min(to_ground(direction), is_first_ ? known_from_m : infinite);
+      const double range = std::min(to_ground(direction), known_from_m);
       if (!(range >= config_.model->range_min && range <= farthest_)) continue;
       const Eigen::Vector3f p = (range * direction).cast<float>();
-      CloudPoint point{p.x(),
-                       p.y(),
-                       p.z(),
-                       0,
-                       static_cast<std::uint16_t>(ring),
-                       static_cast<float>(share * seconds(period))};
-      const auto* bytes = reinterpret_cast<const std::uint8_t*>(&point);
-      cloud_.points_bytes.insert(cloud_.points_bytes.end(), bytes, bytes + sizeof point);
+      cloud_.points_bytes.resize(cloud_.points_bytes.size() + sizeof(CloudPoint));
+      cloud_.points()[cloud_.size() - 1] = {
+          p.x(), p.y(), p.z(), 0, static_cast<std::uint16_t>(ring), static_cast<float>(time_s)};
     }
   }
 
-  const FieldOfView& field_;
-  const Pose& place_;
+  const SensorConfig& config_;
+  const FieldOfView& view_;
+  Pose place_;
   double farthest_ = 0;  // m
   bool is_first_ = true;
-  PlanarScan scan_;
+  PlanarScan scan_;  // or the ring of a lidar that is a scan
   Cloud cloud_;
+  std::optional<RingScan> ring_scan_;
 };
 
-/// A sensor of which nothing is known.
-Model usual_model(FrameKind kind) {
-  Model model{"topic", "", "assumed: 270 degrees, 30 m", "", ""};
-  model.kind = kind;
-  model.frame_period = 0.1;
-  model.range_max = kind == FrameKind::scan ? 30 : 100;
-  if (kind == FrameKind::scan) {
-    model.field = {-135, 0.5, 541};
-    return model;
-  }
-  model.product = "assumed: 16 rings, 100 m";
-  model.field = {-180, 0.2, 1800};
-  for (int deg = -15; deg <= 15; deg += 2) model.field.elevations_deg.push_back(deg);
-  return model;
+/// The field of view of a sensor by its calibration, else by its model.
+FieldOfView view_of(const SensorConfig& sensor) {
+  FieldOfView view = sensor.model->field;
+  if (view.beams == 0) view = usual_model(sensor.model->kind).field;
+  const Calibration* const own = sensor.driver.calibration.get();
+  if (own == nullptr) return view;
+  view.elevations_deg.clear();
+  for (const LaserCalibration& laser : own->lasers)
+    view.elevations_deg.push_back(laser.vert_correction * deg_per_rad);
+  std::sort(view.elevations_deg.begin(), view.elevations_deg.end());
+  return view;
 }
 
 /// True if a source with `topic:` gives clouds, as far as its uses show.
@@ -147,34 +142,28 @@ Pose level(const Pose& pose) {
                    {0, 0, std::atan2(pose.linear()(1, 0), pose.linear()(0, 0))});
 }
 
-bool does_hold(Limit limit, Limit holds) { return holds == Limit::all || holds == limit; }
-
-void free_from_limits(Limit holds, Model& model, DriverConfig& driver) {
-  FieldOfView& field = model.field;
+void free_from_limits(Limit holds, FieldOfView& view, DriverConfig& driver) {
   if (!does_hold(Limit::angles, holds)) {
-    field.beams = static_cast<std::size_t>(std::lround(360 / std::abs(field.step_deg)));
-    field.first_deg = -180;
+    view.beams = static_cast<std::size_t>(std::lround(360 / std::abs(view.step_deg)));
+    view.first_deg = -180;
     driver.angle_min = driver.angle_max = std::nullopt;
     driver.view_width = two_pi;
   }
-  if (!does_hold(Limit::elevations, holds) && model.kind == FrameKind::cloud) {
-    // All around.
-    field.elevations_deg = {-89.99, -1, -0.3, -0.1, -0.03, -0.01, 0.01, 0.03, 0.1, 0.3, 1, 89.99};
-    for (int deg = 3; deg < 90; deg += 3)
-      field.elevations_deg.insert(field.elevations_deg.end(), {-1.0 * deg, 1.0 * deg});
-    std::sort(field.elevations_deg.begin(), field.elevations_deg.end());
-    // So few columns suffice to have what the rings do not see.
-    const double turn = field.step_deg * static_cast<double>(field.beams);
-    field.step_deg = std::max(field.step_deg, 1.0);
-    field.beams = static_cast<std::size_t>(turn / field.step_deg);
-  }
-  if (!does_hold(Limit::reach, holds)) model.range_max = far_m, driver.max_range = 0;
+  if (does_hold(Limit::elevations, holds) || view.elevations_deg.empty()) return;
+  view.elevations_deg.clear();
+  for (double deg = 0.01; deg < 90; deg += std::min(2 * deg, 3.0))
+    view.elevations_deg.insert(view.elevations_deg.end(), {-deg, deg});
+  std::sort(view.elevations_deg.begin(), view.elevations_deg.end());
+  // So few columns suffice to have what the rings do not see.
+  const double turn = view.step_deg * static_cast<double>(view.beams);
+  view.step_deg = std::max(view.step_deg, 1.0);
+  view.beams = static_cast<std::size_t>(turn / view.step_deg);
 }
 
 void free_from_limits(Limit holds, Config& config) {
   for (MergedScanConfig& merged : config.merged_scans) {
     for (auto& [name, source] : merged.source_settings) {
-      if (!does_hold(Limit::angles, holds)) source.angle_min = -infinite, source.angle_max = infinite;
+      if (!does_hold(Limit::angles, holds)) source.angle_min = source.angle_max = std::nullopt;
       if (does_hold(Limit::reach, holds)) continue;
       source.range_min = 0;
       source.range_max = source.no_return_free_range = infinite;
@@ -188,14 +177,13 @@ void free_from_limits(Limit holds, Config& config) {
   }
 }
 
-/// Leaves what the field has no part in: odometry, further topics, patience.
+/// Leaves out odometry and patience, in which the field has no part.
 void simplify(Config& config) {
   VehicleConfig& vehicle = config.vehicle;
   vehicle.odometry_frame = vehicle.odometry_topic = vehicle.imu_topic = vehicle.speed_topic = "";
   for (MergedScanConfig& merged : config.merged_scans) {
     merged.output.profile = Profile::strict;
     merged.also.clear();
-    merged.cloud_destination_topic = merged.status_topic = "";
     merged.schedule.lost_after = 2 * period;
     merged.schedule.deadline.reset();
   }
@@ -208,70 +196,60 @@ void simplify(Config& config) {
 
 }  // namespace
 
+const Model& usual_model(FrameKind kind) {
+  return *find_model(kind == FrameKind::scan ? "sick_tim7xx" : "velodyne_vlp16");
+}
+
 EmptyField::EmptyField(const Config& config, Limit holds) : config_(config), poses_(config, no_tf_) {
   simplify(config_);
   free_from_limits(holds, config_);
-  for (SensorConfig& sensor : config_.sensors) set_up(sensor, holds);
-  play();
+  for (SensorConfig& sensor : config_.sensors) {
+    if (sensor.model == nullptr || sensor.model->field.beams == 0) assumed_.push_back(sensor.name);
+    if (sensor.model == nullptr) {
+      sensor.model = &usual_model(gives_clouds(sensor, config_) ? FrameKind::cloud : FrameKind::scan);
+      sensor.scan_topic = sensor.points_topic = "assumed/" + sensor.name;
+    }
+    views_[sensor.name] = view_of(sensor);
+    free_from_limits(holds, views_[sensor.name], sensor.driver);
+  }
+  play(holds);
 }
 
-void EmptyField::set_up(SensorConfig& sensor, Limit holds) {
-  const FrameKind kind = sensor.model != nullptr         ? sensor.model->kind
-                         : gives_clouds(sensor, config_) ? FrameKind::cloud
-                                                         : FrameKind::scan;
-  const bool is_known = sensor.model != nullptr && sensor.model->field.beams > 0;
-  if (sensor.model == nullptr) sensor.scan_topic = sensor.points_topic = "assumed/" + sensor.name;
-  Model& model = models_.emplace_back(sensor.model != nullptr ? *sensor.model : usual_model(kind));
-  if (!is_known) {
-    model.field = usual_model(kind).field;
-    assumed_.push_back(sensor.name);
-  }
-  if (const Calibration* own = sensor.driver.calibration.get()) {
-    model.field.elevations_deg.clear();
-    for (const LaserCalibration& laser : own->lasers)
-      model.field.elevations_deg.push_back(laser.vert_correction * deg_per_rad);
-    std::sort(model.field.elevations_deg.begin(), model.field.elevations_deg.end());
-  }
-  free_from_limits(holds, model, sensor.driver);
-  Pose& place = places_.emplace_back(Pose::Identity());
+Pose EmptyField::place_of(const SensorConfig& sensor, Limit holds) const {
+  const bool is_scanner = sensor.model->kind == FrameKind::scan;
+  Pose place;
   std::string why;
   const bool is_placed = poses_.find(config_.vehicle.base_frame, sensor.frame_id, Stamp{}, place, why);
   // Without a height there is no ground.
-  if (!is_placed || !does_hold(kind == FrameKind::scan ? Limit::heights : Limit::elevations, holds))
-    place = Pose::Identity();
-  if (sensor.pose && kind == FrameKind::cloud && !does_hold(Limit::elevations, holds))
-    sensor.pose = level(*sensor.pose);
-  model.row = &place;
-  model.make = [](const DriverConfig& driver) -> std::unique_ptr<Driver> {
-    return std::make_unique<FieldDriver>(driver);
-  };
-  sensor.model = sensor.driver.model = &model;
-  sensor.driver.frame_id = sensor.frame_id;
-  sensor.driver.time_offset = Span(0);
-  sensor.topic.clear();
-  sensor.raw_topic.clear();
-  sensor.points_frame.clear();
-  sensor.packet_topic = "packets";
-  sensor.deskew = false;
-  sensor.layout = {};
-  sensor.filter = {};
+  const bool has_height = does_hold(is_scanner ? Limit::heights : Limit::elevations, holds);
+  return is_placed && has_height ? place : Pose::Identity();
 }
 
-void EmptyField::play() {
-  Pipeline pipeline(config_, no_tf_, frames_);
+/// Every sensor is played as a topic of another driver, which brings frames instead of packets.
+void EmptyField::play(Limit holds) {
+  Config played = config_;
+  std::vector<FieldSensor> sensors;
+  for (std::size_t i = 0; i < config_.sensors.size(); ++i) {
+    const SensorConfig& sensor = config_.sensors[i];
+    sensors.emplace_back(sensor, views_[sensor.name], place_of(sensor, holds),
+                         does_hold(Limit::reach, holds));
+    SensorConfig& topic = played.sensors[i];
+    topic.model = topic.driver.model = nullptr;
+    topic.topic = topic.name;
+    topic.driver.time_offset = Span(0);
+    if (sensor.pose && !sensor.model->field.elevations_deg.empty() && !does_hold(Limit::elevations, holds))
+      topic.pose = level(*sensor.pose);
+  }
+  Pipeline pipeline(played, no_tf_, frames_);
   Stamp now{1'000'000'000'000};
   for (int round = 0; round < field_rounds; ++round, now = now + period) {
-    for (const SensorConfig& sensor : config_.sensors) {
-      Packet packet{};
-      packet.arrival = now;
-      pipeline.packet_message(sensor.name, packet, now);
-    }
+    for (FieldSensor& sensor : sensors) sensor.send(now, pipeline, frames_);
   }
   pipeline.advance(now);
 }
 
-double EmptyField::blind_range(const SensorConfig& lidar, const Pose& plane_from_lidar) {
-  const auto& elevations = lidar.model->field.elevations_deg;
+double EmptyField::blind_range(const SensorConfig& lidar, const Pose& plane_from_lidar) const {
+  const auto& elevations = views_.at(lidar.name).elevations_deg;
   const double height = plane_from_lidar.translation().z();
   if (elevations.empty() || height == 0) return 0;
   const double towards = (height > 0 ? -elevations.front() : elevations.back()) * rad_per_deg;

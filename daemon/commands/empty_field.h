@@ -3,7 +3,7 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -17,6 +17,9 @@ namespace lidard {
 /// that no zone is blind. The vehicle's outline always holds.
 enum class Limit : std::uint8_t { all, angles, elevations, heights, reach, none };
 
+/// Stands for a sensor whose field of view is not known.
+const Model& usual_model(FrameKind kind);
+
 /// The frames of a configuration's sensors on level ground (z = 0 of base_frame) with nothing on it, and the
 /// merged and virtual scans that the pipeline makes of them.
 ///
@@ -25,8 +28,8 @@ enum class Limit : std::uint8_t { all, angles, elevations, heights, reach, none 
 ///   front o|------`-.___--- no return         each ring has met something, so that its direction is known.
 ///     _____|____________`-.____ ground        Beams are those of the model, between the configured angles.
 ///
-/// The vehicle stands. All outputs have the profile strict. A sensor whose field of view is not known counts
-/// as a usual one: a planar scanner of 270 degrees, or a lidar with 16 rings.
+/// The vehicle stands. All outputs have the profile strict. A sensor whose field of view is not known has
+/// that of a TiM7xx (270 degrees), or of a VLP-16.
 class EmptyField {
  public:
   explicit EmptyField(const Config& config, Limit holds = Limit::all);
@@ -42,17 +45,16 @@ class EmptyField {
   const std::vector<std::string>& assumed() const { return assumed_; }
   /// m along the plane from a lidar to where its first ring meets the plane, which is nearer than that in its
   /// blind zone; 0: no ring meets it.
-  static double blind_range(const SensorConfig& lidar, const Pose& plane_from_lidar);
+  double blind_range(const SensorConfig& lidar, const Pose& plane_from_lidar) const;
 
  private:
-  void set_up(SensorConfig& sensor, Limit holds);
-  void play();
+  void play(Limit holds);
+  Pose place_of(const SensorConfig& sensor, Limit holds) const;
 
   Config config_;
   NoTransforms no_tf_;
   FrameTree poses_;
-  std::deque<Model> models_;
-  std::deque<Pose> places_;
+  std::map<std::string, FieldOfView> views_;  // of the sensors
   std::vector<std::string> assumed_;
   FrameKeeper frames_;
 };

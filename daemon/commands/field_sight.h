@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <set>
 #include <string>
 #include <vector>
 
@@ -28,8 +29,9 @@ struct FieldSight {
   std::string frame;   ///< its origin
   std::string topic;   ///< in EmptyField
   bool proves = true;  ///< false: profile flatten, which proves nothing; the rest is that of strict
-  bool came = false;   ///< false: a pose is not known, so nothing else is
-  BeamShares free{};   ///< +inf
+  std::set<std::string> sensors{};      ///< behind it
+  bool came = false;                    ///< false: a pose is not known, so nothing else is
+  BeamShares free{};                    ///< +inf
   std::vector<Hindrance> hindrances{};  ///< the greatest first
 };
 

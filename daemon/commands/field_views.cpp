@@ -27,10 +27,10 @@ std::vector<Eigen::Vector2d> border_of(const PlanarScan& scan, const Pose& base_
 }
 
 /// Where the first ring meets the plane of a frame, for a lidar that is not tilted against it.
-std::vector<Eigen::Vector2d> blind_border(const SensorConfig& lidar, const Pose& frame_from_lidar,
-                                          const Pose& base_from_lidar) {
+std::vector<Eigen::Vector2d> blind_border(const EmptyField& field, const SensorConfig& lidar,
+                                          const Pose& frame_from_lidar, const Pose& base_from_lidar) {
   std::vector<Eigen::Vector2d> border;
-  const double range = EmptyField::blind_range(lidar, frame_from_lidar);
+  const double range = field.blind_range(lidar, frame_from_lidar);
   for (int deg = 0; deg < 360 && range > 0; deg += 3)
     border.emplace_back(base_from_lidar.translation().head<2>() +
                         range * Eigen::Vector2d(std::cos(deg * rad_per_deg), std::sin(deg * rad_per_deg)));
@@ -47,7 +47,7 @@ void add_fields(const EmptyField& field, const std::string& frame, SnapshotView&
     if (scan != nullptr)
       view.fields.push_back({border_of(*scan, in_base), i, false});
     else if (field.poses().find(frame, sensor.frame_id, Stamp{}, in_frame, why))
-      view.fields.push_back({blind_border(sensor, in_frame, in_base), i, true});
+      view.fields.push_back({blind_border(field, sensor, in_frame, in_base), i, true});
   }
 }
 

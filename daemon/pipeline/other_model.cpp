@@ -2,11 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/pipeline/other_model.h"
 
-#include <utility>
-
 namespace lidard {
 namespace {
 
+constexpr int enough = 16;
 constexpr Span pause = std::chrono::seconds(10);
 
 }  // namespace
@@ -17,10 +16,8 @@ void OtherModel::refused(const Packet& packet, Reject reason) {
   if (identifier_ == nullptr || since < Span(0) || since > pause) {
     identifier_ = std::make_unique<Identifier>();
     begun_ = packet.arrival;
-    took_turns_ = turns_ >= enough && since <= 2 * pause;
-    looked_ = turns_ = 0;
+    looked_ = 0;
   }
-  turns_ += std::exchange(was_refused_, true) ? 0 : 1;
   if (looked_ == enough) return;
   identifier_->add(packet);
   if (++looked_ == enough) conclude();
@@ -28,7 +25,7 @@ void OtherModel::refused(const Packet& packet, Reject reason) {
 
 /// Products with equal packets are named together.
 void OtherModel::conclude() {
-  sentence_.clear(), names_.clear();
+  sentence_.clear();
   const Model* const found = identifier_->verdict();
   if (found == nullptr || found->row == expected_->row) return;
   std::string names(found->product);
@@ -36,7 +33,6 @@ void OtherModel::conclude() {
     if (other->row == expected_->row) return;
     names += " or " + std::string(other->product);
   }
-  names_ = names;
   sentence_ = "this is a " + names + ", not a " + std::string(expected_->product) +
               "; set model: " + std::string(found->name);
 }

@@ -18,6 +18,13 @@ ReceptionWatch watch_of(const SensorConfig& sensor) {
   return ReceptionWatch(sensor.model->frame_period * (1 + sensor.driver.requests.skip.value_or(0)));
 }
 
+/// Datagrams of two devices alternate many times a second, connections to them perhaps once in minutes.
+Alternation watch_for_two(const SensorConfig& sensor) {
+  if (sensor.model != nullptr && sensor.model->transport == Transport::udp)
+    return Alternation(8, std::chrono::seconds(10));
+  return Alternation();
+}
+
 /// Takes the geometry and limits of `shape` and makes every beam `invalid`: a sweep that says nothing.
 void set_unobserved(const PlanarScan& shape, PlanarScan& scan) {
   scan.reset(shape.beams, 1, false);
@@ -34,7 +41,8 @@ Sensor::Sensor(const SensorConfig& config, std::size_t place, SensorContext& con
       context_(context),
       arranger_(config.layout),
       watch_(watch_of(config)),
-      other_model_(config.model) {
+      other_model_(config.model),
+      devices_(watch_for_two(config)) {
   if (config.model == nullptr) return;
   driver_ = config.model->make(config.driver);
   if (config.filter.any()) filter_.emplace(config.filter), ring_filter_.emplace(config.filter);
@@ -67,17 +75,16 @@ void Sensor::change(const SensorConfig& wanted) {
 void Sensor::receive(const Packet& packet, Stamp received) {
   watch_.advance(received, counters());
   const bool datagram = packet.transport == Transport::udp;
-  if (datagram) sender_ = packet.from.address;
+  if (datagram && std::exchange(sender_, packet.from.address) != packet.from.address)
+    devices_ = watch_for_two(config_);
   if (raw_topic_ != nullptr) {
     if (raw_.is_broken_off_by(packet)) publish_raw();
     raw_.add(packet);
   }
   const Verdict verdict = driver_->receive(packet, *this);
   if (raw_.is_full()) publish_raw();
-  if (verdict.reject != Reject::none && datagram)
-    other_model_.refused(packet, verdict.reject);
-  else if (verdict.has_data)
-    other_model_.accepted();
+  if (verdict.reject != Reject::none && datagram) other_model_.refused(packet, verdict.reject);
+  if (datagram) devices_.observe(verdict.device, received);
   if (packet.transport == config_.model->transport) {
     if (verdict.has_data) {
       data_sender_ = packet.from.address;
@@ -264,7 +271,7 @@ void Sensor::clock_jumped(Stamp now) {
 void Sensor::tick(Stamp by_arrivals) {
   if (driver_ == nullptr) return;
   driver_->tick(by_arrivals, *this);
-  serials_.observe(driver_->info().serial, by_arrivals);
+  if (config_.model->transport == Transport::tcp) devices_.observe(driver_->info().serial, by_arrivals);
   apply_connection_request();
 }
 
@@ -321,14 +328,10 @@ SensorReport Sensor::report() const {
 /// A sentence on two devices with the sensor's address; empty: there is one.
 std::string Sensor::two_devices() const {
   if (driver_ == nullptr) return {};
-  std::string who;
-  if (const std::string other = other_model_.beside(); !other.empty())
-    who = std::string(config_.model->product) + " and " + other;
-  if (const std::string both = serials_.both(context_.now); who.empty() && !both.empty())
-    who = "serial numbers " + both;
-  if (who.empty()) who = driver_->info().two_devices;
+  const std::string both = devices_.both(context_.now);
   const std::string address = config_.ip_address.value_or(data_sender_).to_string();
-  return who.empty() ? who : two_devices_text(address, who);
+  const bool are_serials = config_.model->transport == Transport::tcp;
+  return both.empty() ? both : two_devices_text(address, (are_serials ? "serial numbers " : "") + both);
 }
 
 std::optional<DiagnosticItem> Sensor::settings(Stamp now) const {

@@ -187,7 +187,7 @@ class Sensor final : public DriverOutput {
   TopicClock topic_clock_;   // of messages
   ReceptionWatch watch_;
   OtherModel other_model_;
-  Alternation serials_;
+  Alternation devices_;
   PlanarScan shape_;                                                 // geometry of the last scan with beams
   Stamp shape_noted_{std::numeric_limits<std::int64_t>::min() / 2};  // when a change of it was logged
 };

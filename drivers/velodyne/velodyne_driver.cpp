@@ -13,7 +13,7 @@
 #include "drivers/velodyne/packet_order.h"
 #include "drivers/velodyne/telemetry.h"
 #include "drivers/velodyne/timing.h"
-#include "drivers/velodyne/two_devices.h"
+#include "drivers/velodyne/two_streams.h"
 #include "drivers/velodyne/web/web_dialogue.h"
 #include "drivers/velodyne/web/web_status.h"
 
@@ -64,19 +64,17 @@ class VelodyneDriver final : public DriverBase {
     const Reject reason = check(packet.payload);
     if (reason != Reject::none) {
       counters_.reject(reason);
-      return {true, reason};
+      return {true, reason, reason == Reject::model ? device_of(incoming_, true) : std::string_view()};
     }
     incoming_.layout = &layout_of(incoming_.view(), row_);
     incoming_.azimuths = read_azimuths(incoming_.view(), *incoming_.layout);
     if (!row_.has_stamp()) arrival_stamps_.stamp(packet.arrival, incoming_.azimuths, incoming_.bytes.data());
     const std::uint8_t product = incoming_.view().product();
     const bool may_be_old = row_.without_factory_bytes != nullptr && !is_product(product);
-    // An HDL-64E, which has no such byte, may have no stamps or two packets of one stamp.
-    if (row_.names_product())
-      two_devices_.add(incoming_, row_.packet_period(row_.timings.front(), incoming_.layout->echoes));
-    info_.two_devices = two_devices_.found(packet.arrival) ? "clocks or azimuths of two lidars" : "";
     incoming_.other_product = row_.names_product() && !row_.has_product(product) && !may_be_old;
-    return {true, order_.add(incoming_, [&](const OrderedPacket& p, Span time) { accept(p, time, out); })};
+    const std::string_view device = device_of(incoming_, incoming_.other_product);
+    return {true, order_.add(incoming_, [&](const OrderedPacket& p, Span time) { accept(p, time, out); }),
+            device};
   }
 
   void finish(DriverOutput& out) override {
@@ -121,6 +119,15 @@ class VelodyneDriver final : public DriverBase {
   }
 
  private:
+  /// What distinguishes the packet's lidar from another one with its address; not of an HDL-64E, which names
+  /// no product and may have no stamps or two packets of one stamp.
+  std::string_view device_of(const OrderedPacket& packet, bool is_other_product) {
+    if (!row_.names_product()) return {};
+    if (is_other_product) return other_product_ = product_name(packet.view().product());
+    const Span period = row_.packet_period(row_.timings.front(), packet.layout->echoes);
+    return streams_.is_other(packet, period) ? std::string_view(another_) : config_.model->product;
+  }
+
   Reject check(ByteView payload) {
     if (payload.size() != packet_size) return Reject::size;
     const DataPacket packet(payload);
@@ -286,7 +293,9 @@ class VelodyneDriver final : public DriverBase {
 
   const ModelRow& row_;
   PacketOrder order_;
-  TwoDevices two_devices_;
+  TwoStreams streams_;
+  const std::string another_ = "another " + std::string(config_.model->product);
+  std::string other_product_;
   ArrivalStamps arrival_stamps_;
   TimingChooser timing_;
   CloudBuilder frames_;

@@ -105,7 +105,6 @@ class CompactDriver final : public DriverBase {
   }
 
   Verdict receive_datagram(const Packet& packet, DriverOutput& out) {
-    address_ = packet.from.address;
     counters_.bytes += packet.payload.size();
     ByteView rest = packet.payload;
     Verdict all;
@@ -136,7 +135,8 @@ class CompactDriver final : public DriverBase {
     const TelegramType type = telegram.type;
     if (type == TelegramType::scan || type == TelegramType::msgpack) {
       ++counters_.packets;
-      return {true, handle_scan(telegram, arrival, out)};
+      const Reject reason = handle_scan(telegram, arrival, out);
+      return {true, reason, device_named("device ", reason == Reject::none ? segment_.sender : 0)};
     }
     ++counters_.other_packets;
     if (type == TelegramType::imu) return {false, handle_imu(telegram.bytes, arrival, out)};
@@ -236,17 +236,12 @@ class CompactDriver final : public DriverBase {
     if (sender_known_ && sender == sender_) {
       if (rival_at_ && std::chrono::abs(arrival - *rival_at_) > rival_memory) {
         warnings_.clear(SegmentTrouble::other_device);
-        info_.two_devices.clear();
         rival_at_.reset();
       }
-      if (rival_at_ && rival_ != sender_)  // it was not exchanged: both send
-        info_.two_devices = "device " + std::to_string(sender_) + " and device " + std::to_string(rival_);
-      our_address_ = address_;
       return true;
     }
     if (sender_known_ && std::chrono::abs(arrival - last_arrival_) <= silence) {
-      rival_ = address_ == our_address_ ? sender : sender_;
-      if (!rival_at_ && rival_ == sender_)
+      if (!rival_at_)
         warnings_.set(SegmentTrouble::other_device,
                       "device " + std::to_string(sender) + " sends to the same place as device " +
                           std::to_string(sender_) + " and is ignored; set ip_address of both");
@@ -261,8 +256,6 @@ class CompactDriver final : public DriverBase {
     }
     sender_known_ = true;
     sender_ = sender;
-    our_address_ = address_;
-    info_.two_devices.clear();
     rival_at_.reset();
     order_.reset();
     frames_.restart();
@@ -330,9 +323,7 @@ class CompactDriver final : public DriverBase {
   std::uint64_t clock_restarts_ = 0;
   std::uint64_t last_stop_us_ = 0;
   Stamp last_arrival_;
-  IpAddress address_, our_address_;  // of the newest datagram, and of the newest scan of our device
-  std::optional<Stamp> rival_at_;    // arrival of a scan of another device
-  std::uint32_t rival_ = 0;          // another device at our address, else our own
+  std::optional<Stamp> rival_at_;  // arrival of a scan of another device
   bool sender_known_ = false;
   std::uint32_t sender_ = 0;
   std::uint32_t described_version_ = ~0U;

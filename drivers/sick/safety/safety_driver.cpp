@@ -56,19 +56,13 @@ class SafetyDriver final : public DriverBase {
       return {};
     }
     last_datagram_ = packet.arrival;
-    sender_ = packet.from.address;
     ++counters_.packets;
     counters_.bytes += packet.payload.size();
     Ms3Reassembler::Instance instance;
     Reject reason = reassembler_.add(packet, instance);
     if (reason == Reject::none && !instance.bytes.empty()) reason = handle(instance, out);
-    // Two scanners that were switched on together count alike: datagrams of the one look like copies.
-    if (reason == Reject::duplicate && stream_known_) {
-      const std::uint32_t serial = serial_in(packet.payload);
-      if (serial != 0 && serial != serial_) note_rival(serial, packet.arrival);
-    }
     if (reason != Reject::none) counters_.reject(reason);
-    return {true, reason};
+    return {true, reason, device_named("scanner ", serial_in(packet.payload))};
   }
 
   void connected(Stamp now, DriverOutput& out) override { dialogue_->connected(now, out); }
@@ -129,19 +123,13 @@ class SafetyDriver final : public DriverBase {
   /// False for the data of another device or another channel.
   bool is_ours(Stamp arrival) {
     if (stream_known_ && telegram_.serial == serial_ && telegram_.channel == channel_) {
-      if (std::chrono::abs(arrival - rival_at_) > rival_memory) {
-        board_.clear(Warning::other_stream);
-        info_.two_devices.clear();
-      } else if (rival_serial_ != serial_) {  // it was not exchanged: both send
-        info_.two_devices = "scanner " + std::to_string(serial_) + " and scanner " + std::to_string(rival_serial_);
-      }
+      if (std::chrono::abs(arrival - rival_at_) > rival_memory) board_.clear(Warning::other_stream);
       last_arrival_ = arrival;
-      our_sender_ = sender_;
       return true;
     }
     if (stream_known_ && std::chrono::abs(arrival - last_arrival_) <= silence) {
-      note_rival(telegram_.serial, arrival);
-      board_.update(Warning::other_stream, rival_serial_ == serial_, [&] {
+      rival_at_ = arrival;
+      board_.update(Warning::other_stream, true, [&] {
         const std::string remedy = telegram_.serial == serial_
                                        ? "give each channel its own UDP port"
                                        : "give each its own UDP port, or set ip_address";
@@ -153,7 +141,6 @@ class SafetyDriver final : public DriverBase {
       return false;
     }
     const std::uint32_t before = serial_;
-    rival_at_ = Stamp();
     board_.clear(Warning::other_device);
     if (stream_known_ && telegram_.serial != before)
       board_.set(Warning::other_device, "scanner " + std::to_string(before) + " was replaced by scanner " +
@@ -163,17 +150,10 @@ class SafetyDriver final : public DriverBase {
     serial_ = telegram_.serial;
     channel_ = telegram_.channel;
     last_arrival_ = arrival;
-    our_sender_ = sender_;
     sequence_known_ = false;
     clock_.reset();
     info_.serial = std::to_string(serial_);
     return true;
-  }
-
-  /// Data of another scanner, or of another channel, came between ours.
-  void note_rival(std::uint32_t serial, Stamp arrival) {
-    rival_at_ = arrival;
-    rival_serial_ = sender_ == our_sender_ ? serial : serial_;
   }
 
   /// Counts missing data sets by the sequence number. The scan number also skips where only every n-th scan
@@ -327,12 +307,10 @@ class SafetyDriver final : public DriverBase {
   Ms3Telegram telegram_{};
   ScanClock clock_;
 
-  IpAddress sender_, our_sender_;  // of the newest datagram, and of the newest of the accepted stream
   bool stream_known_ = false;
   std::uint32_t serial_ = 0;
   std::uint8_t channel_ = 0;
   Stamp last_arrival_, rival_at_;
-  std::uint32_t rival_serial_ = 0;  // of another scanner at our address, else our own
   bool sequence_known_ = false;
   std::uint32_t sequence_ = 0, scan_number_ = 0;
   Stamp counted_until_;

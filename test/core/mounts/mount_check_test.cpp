@@ -130,6 +130,18 @@ TEST(MountCheck, FindsAMountThatIsFarFromWhatIsConfigured) {
   }
 }
 
+TEST(MountCheck, FindsAMountThatIsFarAlsoByTwoWallsAlone) {
+  FlatWorld corner;
+  corner.add_wall({6, -7}, {6, 8});
+  corner.add_wall({-6, 7}, {8, 7});
+  for (const double yaw_deg : {4.0, 6.0, -8.0, 15.0}) {
+    CheckedVehicle vehicle(corner);
+    const MountDifference& state = vehicle.drive({yaw_deg, 0, 0}, 0, 9);
+    EXPECT_TRUE(state.is_wrong) << yaw_deg;
+    expect_correction(state, {yaw_deg, 0, 0});
+  }
+}
+
 TEST(MountCheck, SaysThatAScannerSeesNothingOfWhatTheOtherOneSees) {
   for (const double yaw_deg : {45.0, 70.0, -90.0, 130.0}) {
     CheckedVehicle vehicle(paper_room());

@@ -195,7 +195,7 @@ TEST(EmptyField, TheViewOfAnotherDriversSourceIsAssumedAndSaidSo) {
   EXPECT_GE(all.at(0).free.ahead, 99);
   EXPECT_NEAR(all.at(0).free.all, 75, 1) << "270 of 360 degrees";
   EXPECT_THAT(comments_of(all, field),
-              HasSubstr("# front: its field of view is not known, assumed: 270 degrees"));
+              HasSubstr("# front: its field of view is not known, assumed: that of a TiM7xx"));
 }
 
 TEST(EmptyField, AnOutputWhosePosesComeFromTfIsSaidToBeUnknown) {

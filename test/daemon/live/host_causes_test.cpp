@@ -60,6 +60,24 @@ TEST(Alternation, TakesTwoHardwareAddressesThatTakeTurnsForTwoDevices) {
   EXPECT_EQ(watch.both(begin + 13min), "60:76:88:00:00:01 and 60:76:88:00:00:02");
 }
 
+TEST(Alternation, CountsReturnsOfPacketsWhichFollowEachOtherSoon) {
+  using namespace std::chrono_literals;
+  Stamp now{1'000'000'000};
+  Alternation watch(8, 10s);
+  const auto take_turns = [&](int times, Span after) {
+    for (int i = 0; i < times; ++i) {
+      now = now + after;
+      watch.observe(i % 2 == 0 ? "scanner 9" : "scanner 17", now);
+    }
+    return watch.both(now);
+  };
+  EXPECT_EQ(take_turns(20, 11s), "") << "exchanged again and again";
+  EXPECT_EQ(take_turns(6, 30ms), "");
+  EXPECT_EQ(take_turns(4, 30ms), "scanner 17 and scanner 9");
+  now = now + 11s;
+  EXPECT_EQ(watch.both(now), "") << "one of them was switched off";
+}
+
 TEST(HostCauses, NameTheAddressThatIsMissing) {
   const HostInterface bare{"lidar0", {}, 0, true, true, false, 0};
   const HostInterface office{"eth0", IpAddress::v4(10, 0, 0, 5), 8, true, true, false, 0};

@@ -204,6 +204,26 @@ TEST(TopicClock, PacketsThatAnotherComputerStampedAreCloudsOfTheirArrival) {
   }
 }
 
+TEST(TopicClock, PacketsWhoseStampsStandStillAreCloudsOfTheirArrival) {
+  sim::VelodyneSetup setup;
+  setup.duration = std::chrono::milliseconds(650);
+  const auto packets = simulate_velodyne(setup);
+  for (const Stamp stamp : {Stamp{}, packets.front().arrival - hour, packets.front().arrival + hour}) {
+    PipelineBench bench("sensors: {roof: {model: velodyne_vlp16, packet_topic: /packets}}\n");
+    for (const auto& packet : packets)
+      bench.pipeline.packet_message("roof", {packet.view(), stamp, {}, {}}, packet.arrival + ms(1));
+    const auto& clouds = bench.sink.clouds["roof/points"];
+    ASSERT_GE(clouds.size(), 5U);
+    for (std::size_t i = 1; i < clouds.size(); ++i) {
+      const Stamp released = bench.sink.released["roof/points"][i];
+      EXPECT_LE(clouds[i].end, released) << i;
+      EXPECT_GT(clouds[i].end, released - ms(10)) << i;
+      EXPECT_NEAR(seconds(clouds[i].stamp - clouds[i - 1].stamp), 0.1, 0.002) << i;
+    }
+    EXPECT_EQ(bench.item("sensor roof", packets.back().arrival + ms(1)).health, Health::warn);
+  }
+}
+
 TEST(TopicClock, OdometryOfAnotherClockMovesTheScansAndIsNamed) {
   for (const Span ahead : {hour, -hour}) {
     PipelineBench bench(two_sources("on_missing_motion: drop", "odometry_topic: /odom"));

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <random>
 
+#include "daemon/pipeline/alternation.h"
 #include "drivers/model.h"
 #include "drivers/registry/registry.h"
 #include "drivers/velodyne/packet.h"
@@ -46,21 +47,24 @@ std::vector<WirePacket> beside(std::vector<WirePacket> first, const std::vector<
   return first;
 }
 
-/// What the driver says of two devices, and how many seconds after the first packet.
+/// What two devices are found by what the driver says of each packet, and how many seconds after the first.
 std::pair<std::string, double> two_devices(const ModelMode& which, const std::vector<WirePacket>& packets) {
   DriverConfig config;
   config.model = find_model(which.model);
   const auto driver = config.model->make(config);
   test::Collector out;
+  Alternation devices(8, std::chrono::seconds(10));
   for (const WirePacket& packet : packets) {
-    driver->receive({{packet.bytes.data(), packet.bytes.size()},
+    const Verdict verdict =
+        driver->receive({{packet.bytes.data(), packet.bytes.size()},
                      packet.arrival,
                      {IpAddress::v4(192, 168, 1, 201), 2368},
                      {{}, 2368}},
                     out);
     out.clouds.clear();
-    if (!driver->info().two_devices.empty())
-      return {driver->info().two_devices, seconds(packet.arrival - packets.front().arrival)};
+    devices.observe(verdict.device, packet.arrival);
+    if (const std::string both = devices.both(packet.arrival); !both.empty())
+      return {both, seconds(packet.arrival - packets.front().arrival)};
   }
   return {"", 0};
 }

@@ -94,7 +94,9 @@ class SegmentBench final : public DriverOutput {
     packet.arrival = when;
     packet.from = {IpAddress::v4(192, 168, 0, 30), 2115};
     packet.to = {IpAddress::v4(192, 168, 0, 1), port};
-    return driver->receive(packet, *this).reject;
+    const Verdict verdict = driver->receive(packet, *this);
+    device = verdict.device;
+    return verdict.reject;
   }
   Reject send(std::uint64_t frame, int index) {
     return send(encode(segment(frame, index)), arrival(frame, index));
@@ -112,6 +114,7 @@ class SegmentBench final : public DriverOutput {
   }
 
   std::unique_ptr<Driver> driver;
+  std::string device;  // of the newest datagram
   std::vector<PlanarScan> scans, marked;
   std::vector<Cloud> clouds;
   std::vector<ImuSample> samples;

@@ -45,10 +45,16 @@ class SafetyBench final : public DriverOutput {
   Reject send(const Ms3Sample& what, Stamp arrival) {
     Reject reason = Reject::none;
     for (const Bytes& datagram : ms3_datagrams(what.instance(), identification++)) {
-      reason = driver->receive(packet_of(datagram, arrival), *this).reject;
+      reason = receive(packet_of(datagram, arrival));
       arrival = arrival + std::chrono::microseconds(120);
     }
     return reason;
+  }
+  /// Keeps the name of the packet's device, if the packet has it.
+  Reject receive(const Packet& packet) {
+    const Verdict verdict = driver->receive(packet, *this);
+    if (!verdict.device.empty()) device = verdict.device;
+    return verdict.reject;
   }
   /// Sends the next of a row of scans, 30 ms after the last one.
   Reject send_next() {
@@ -71,6 +77,7 @@ class SafetyBench final : public DriverOutput {
   }
 
   std::unique_ptr<Driver> driver;
+  std::string device;
   std::vector<PlanarScan> scans;
   std::vector<PlanarScan> intrusions, beam_statuses;
   std::vector<DeviceState> states;
