@@ -143,9 +143,10 @@ TEST(MergedScanConfig, AsksWhichSourceMustSeeAFreeBeamWhereHeightsDiffer) {
   EXPECT_FALSE(m.source_settings.at("high").proves_free);
   const auto low = m.source_settings.find("low");
   EXPECT_TRUE(low == m.source_settings.end() || low->second.proves_free);
-  EXPECT_EQ(merged_error("laserscan_topics: rear, free_requires: [rear, front]"),
-            "f:7:54: merged_scans.m.free_requires[1] is \"front\", which is no source of it; expected sources of "
-            "it: rear");
+  EXPECT_EQ(
+      merged_error("laserscan_topics: rear, free_requires: [rear, front]"),
+      "f:7:54: merged_scans.m.free_requires[1] is \"front\", which is no source of it; expected sources of "
+      "it: rear");
 }
 
 TEST(MergedScanConfig, WarnsWhenTheVehiclesOutlineIsNeededAndNotThere) {

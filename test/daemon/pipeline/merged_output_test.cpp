@@ -205,6 +205,19 @@ TEST(MergedOutput, NamesAStaleSourceAsAWarningAndALostOneAsAnError) {
   EXPECT_EQ(test::value_of(stale, "Sources lost"), "");
 }
 
+TEST(MergedOutput, SaysWhichDeadlineWaitsForASourceWhoseSweepsComeLateEachTime) {
+  PipelineBench bench(two_sources(""));
+  for (double at = 100; at <= 3000; at += 100) {
+    sweep(bench, "a", ms(at));
+    // They come 0.18 s after their end, as with a time_offset of -0.18.
+    bench.give("b", round_scan("b", bench_begin + ms(at - 180) - sweep_time, 5, 361, sweep_time),
+               bench_begin + ms(at));
+    bench.pipeline.tick(bench_begin + ms(at));
+  }
+  EXPECT_EQ(bench.item("merged m", bench_begin + ms(3010)).message,
+            "publishing without b, whose sweeps are too old; a deadline of 0.10 waits for them");
+}
+
 TEST(MergedOutput, RaisesNoAlarmOfASourceThatIsStaleForMilliseconds) {
   // A busy machine: the sweeps of b come in 60 ms late now and then.
   PipelineBench bench(two_sources("lost_after: 5"));
