@@ -163,7 +163,7 @@ void read_free_requires(const Mapping& yaml, const SourceList& list, Merged& mer
 
 /// A beam is free where one scanner sees it: what stands at the height of another one may be lower or higher.
 void ask_about_heights(const Mapping& yaml, const SourceList& list, const Merged& merged, Reading& reading) {
-  constexpr double one_height = 0.15;  // m
+  constexpr double one_height = 0.2;  // m
   if (!merged.has_visibility() || !merged.free_requires.empty()) return;
   std::optional<double> lowest, highest;
   for (const NamedSource& source : list.named) {

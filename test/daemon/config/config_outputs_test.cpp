@@ -145,7 +145,7 @@ TEST(MergedScanConfig, AsksWhichSourceMustSeeAFreeBeamWhereHeightsDiffer) {
   EXPECT_TRUE(low == m.source_settings.end() || low->second.proves_free);
   EXPECT_EQ(
       merged_error("laserscan_topics: rear, free_requires: [rear, front]"),
-      "f:7:54: merged_scans.m.free_requires[1] is \"front\", which is no source of it; expected sources of "
+      "f:7:53: merged_scans.m.free_requires[1] is \"front\", which is no source of it; expected sources of "
       "it: rear");
 }
 
