@@ -192,9 +192,9 @@ void MergeSources::describe_states(DiagnosticItem& item, Stamp now, bool startin
     std::string& list = seen == SourceState::stale ? silent : lost;
     if (seen != SourceState::ok) list += (list.empty() ? "" : ", ") + name;
     // Not of a source that follows another clock.
-    constexpr double longest_told_s = 1, room_s = 0.02;
+    constexpr double longest_said_s = 1, room_s = 0.02;
     const double late = scheduler_.lateness(s);
-    if (seen == SourceState::stale && late > 0 && late < longest_told_s)
+    if (seen == SourceState::stale && late > 0 && late < longest_said_s)
       remedy = fmt::format("; a deadline of {:.2f} waits for them", late + room_s);
     delivers = delivers || seen == SourceState::ok;
     awaited = awaited && seen != SourceState::lost;
