@@ -298,9 +298,11 @@ SensorReport Sensor::report() const {
   report.name = config_.name;
   report.model = driver_ ? std::string(config_.model->name) : "topic";
   report.counters = counters();
-  if (driver_)
-    report.info =
-        config_.packet_topic.empty() ? info_of(*driver_) : info_of(*driver_, "topic " + config_.packet_topic);
+  if (driver_ && !config_.packet_topic.empty())
+    report.info = info_of(*driver_, "topic " + config_.packet_topic);
+  else if (driver_)
+    // The kernel stamps live packets; of those that waited while the daemon was stopped many have one stamp.
+    report.info = context_.connections != nullptr ? driver_->info() : info_of(*driver_);
   if (filter_) {
     report.filter = filter_->counters();
     report.filter_trouble = filter_trouble(filter_->counters(), topic_->name);

@@ -12,6 +12,7 @@
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/pipeline/report.h"
 #include "test/drivers/sick/safety/ms3_encoder.h"
+#include "test/support/pipeline_bench.h"
 #include "test/support/recording_sink.h"
 #include "test/support/velodyne_wire.h"
 
@@ -207,6 +208,36 @@ TEST(SensorHealth, TakesAJumpOfTheClockForABeginningAndNoticesSilenceAfterIt) {
       room.pipeline.tick(room.now = room.now + std::chrono::milliseconds(100));
     EXPECT_EQ(room.item().health, Health::error);
     EXPECT_THAT(room.item().message, HasSubstr("silent: nothing received"));
+  }
+}
+
+/// No connection; its presence says that the packets are live.
+class NoConnections final : public DeviceConnections {
+ public:
+  void connect(std::size_t, const IpAddress&) override {}
+  void send(std::size_t, ByteView) override {}
+  Stamp now() const override { return {}; }
+  void disconnect(std::size_t, bool) override {}
+  std::string trouble(std::size_t) const override { return {}; }
+};
+
+TEST(SensorHealth, PacketsOfOneArrivalAreThoseOfACaptureOrWaitedForTheDaemon) {
+  for (const bool is_live : {false, true}) {
+    test::PipelineBench bench("sensors: {roof: {model: velodyne_vlp16, ip_port: 2368}}");
+    NoConnections links;
+    if (is_live) bench.pipeline.set_links(&links);
+    Stamp now{};
+    const Span standing = std::chrono::seconds(4);
+    const Stamp begin = twelve_seconds().front().arrival;
+    for (const test::WirePacket& packet : twelve_seconds()) {
+      // From 2 s on those of 4 s have one arrival.
+      const bool waits = packet.arrival > begin + standing / 2 && packet.arrival < begin + 3 * standing / 2;
+      now = waits ? begin + standing / 2 : packet.arrival;
+      bench.pipeline.packet({{packet.bytes.data(), packet.bytes.size()}, now, {first, 2368}, {{}, 2368}});
+    }
+    bench.pipeline.tick(now);
+    EXPECT_EQ(bench.item("sensor roof", now).message.find("has no arrival times") == std::string::npos,
+              is_live);
   }
 }
 
