@@ -103,6 +103,7 @@ CutEvidence::End CutEvidence::thing_at(std::size_t last, std::size_t next) const
 void CutEvidence::add(Visibility::Kind kind, float from, const Ray& first, std::size_t along, End end) {
   if (!(end.at - from > shortest)) return;
   const RingGrid& grid = view_->grid();
+  std::vector<Piece>& column = strips_[kind].column;
   Piece piece{{}, along, first.beam % rings_};
   OutlineBeam& way = piece.way;
   const Raster::Point to = view_->place(grid.ends[along]);
@@ -119,7 +120,13 @@ void CutEvidence::add(Visibility::Kind kind, float from, const Ray& first, std::
     const float share = from / std::max(reach_of(begin), 1e-3F);
     way.bx = at_.x + (begin.x - at_.x) * share, way.by = at_.y + (begin.y - at_.y) * share;
   }
-  strips_[kind].column.push_back(piece);
+  // A column's pieces begin farther and farther away. Those that overlap are one.
+  if (tilted_ || column.empty() || from > column.back().way.length) return column.push_back(piece);
+  Piece& before = column.back();
+  if (way.length <= before.way.length) return;
+  way.from = before.way.from, way.bx = before.way.bx, way.by = before.way.by;
+  piece.first = before.first;
+  before = piece;
 }
 
 /// Adds the blind part of a column whose lowest beams do not cross the plane or have different directions.
