@@ -41,43 +41,17 @@ LIDARD_CLONES void CutEvidence::mark_beams() {
     const int thing = point & (grounds[i] == Ground::sure ? 0 : 1);
     marks[i] = static_cast<std::uint8_t>(known * ends | crosses * (ends & beyond) | meets * (thing & beyond));
   }
-  find_lone_returns();
-}
-
-void CutEvidence::find_lone_returns() {
-  const RingGrid& grid = view_->grid();
-  const std::size_t cells = marks_.size(), rings = rings_;
-  const float* const range = grid.range.data();
-  // Of two beams on one side the one that passes; two drops may be neighbours.
-  const auto passing = [&](std::size_t near, std::size_t far, float beyond) {
-    for (const std::size_t i : {near, far})
-      if (i < cells && (marks_[i] & known) != 0 && range[i] > beyond) return i;
-    return cells;
-  };
-  lone_.clear();
-  for (std::size_t i = 0; i < cells && grid.columns() > 4; ++i) {
-    const float beyond = range[i] + PlacedScan::lone_depth;
-    // Few beams get beyond the first comparisons.
-    if (grid.kind[i] != Beam::point) continue;
-    const std::size_t back = i + cells;
-    const std::size_t before = passing((back - rings) % cells, (back - 2 * rings) % cells, beyond);
-    if (before == cells) continue;
-    const std::size_t after = passing((i + rings) % cells, (i + 2 * rings) % cells, beyond);
-    if (after == cells) continue;
-    const std::size_t ring = i % rings;
-    if (ring > 0 && passing(i - 1, ring > 1 ? i - 2 : cells, beyond) == cells) continue;
-    if (ring + 1 < rings && passing(i + 1, ring + 2 < rings ? i + 2 : cells, beyond) == cells) continue;
-    lone_.push_back({i, range[before] < range[after] ? before : after});
-  }
-  for (const Lone& one : lone_) marks_[one.beam] = static_cast<std::uint8_t>(marks_[one.shown_by] | lone);
+  for (const RingLinks::LoneReturn& one : view_->links().lone_returns())
+    marks_[one.beam] = static_cast<std::uint8_t>(marks_[one.shown_by] | lone);
 }
 
 /// The beam whose end counts for beam i: of a lone return, one beside it.
 inline std::size_t CutEvidence::shown_by(std::size_t i) const {
   if ((marks_[i] & lone) == 0) return i;
-  const auto at = std::lower_bound(lone_.begin(), lone_.end(), i,
-                                   [](const Lone& one, std::size_t beam) { return one.beam < beam; });
-  return at != lone_.end() && at->beam == i ? at->shown_by : i;
+  const auto& all = view_->links().lone_returns();
+  const auto is_before = [](const RingLinks::LoneReturn& one, std::size_t beam) { return one.beam < beam; };
+  const auto at = std::lower_bound(all.begin(), all.end(), i, is_before);
+  return at != all.end() && at->beam == i ? at->shown_by : i;
 }
 
 inline CutEvidence::Ray CutEvidence::ray(std::size_t i) const {
@@ -101,32 +75,40 @@ CutEvidence::End CutEvidence::thing_at(std::size_t last, std::size_t next) const
 /// Adds a piece that begins where `first` crosses the plane, or at `from` m if that is farther, and ends in
 /// the direction of beam `along`.
 void CutEvidence::add(Visibility::Kind kind, float from, const Ray& first, std::size_t along, End end) {
+  if (end.at > reach_) end = {reach_, false};
   if (!(end.at - from > shortest)) return;
-  const RingGrid& grid = view_->grid();
   std::vector<Piece>& column = strips_[kind].column;
-  Piece piece{{}, along, first.beam % rings_};
-  OutlineBeam& way = piece.way;
-  const Raster::Point to = view_->place(grid.ends[along]);
-  const float reach = std::max(reach_of(to), 1e-3F);
-  way.ox = at_.x, way.oy = at_.y;
-  way.ux = (to.x - at_.x) / reach, way.uy = (to.y - at_.y) / reach;
-  way.from = from;
-  way.length = end.at;
-  way.hides = end.hides;
-  way.x = way.ox + way.ux * way.length, way.y = way.oy + way.uy * way.length;
-  way.bx = way.ox + way.ux * from, way.by = way.oy + way.uy * from;
-  if (tilted_ && from > 0 && first.beam != along) {
-    const Raster::Point begin = view_->place(grid.ends[first.beam]);
-    const float share = from / std::max(reach_of(begin), 1e-3F);
-    way.bx = at_.x + (begin.x - at_.x) * share, way.by = at_.y + (begin.y - at_.y) * share;
-  }
   // A column's pieces begin farther and farther away. Those that overlap are one.
-  if (tilted_ || column.empty() || from > column.back().way.length) return column.push_back(piece);
-  Piece& before = column.back();
-  if (way.length <= before.way.length) return;
-  way.from = before.way.from, way.bx = before.way.bx, way.by = before.way.by;
-  piece.first = before.first;
-  before = piece;
+  if (tilted_ || column.empty() || from > column.back().end.at) {
+    column.push_back({from, end, first.beam, along, {}});
+  } else if (end.at > column.back().end.at) {
+    column.back().end = end;
+    column.back().last = along;
+  }
+}
+
+/// Places a piece in the frame; false if it has no direction there, as that of a beam straight down.
+bool CutEvidence::place(Piece& piece) const {
+  OutlineBeam& way = piece.way;
+  way.ox = at_.x, way.oy = at_.y;
+  way.from = piece.from;
+  way.length = piece.end.at;
+  way.hides = piece.end.hides;
+  if (!direct(piece.last, way.ux, way.uy)) return false;
+  way.x = way.ox + way.ux * way.length, way.y = way.oy + way.uy * way.length;
+  float ux = way.ux, uy = way.uy;
+  if (tilted_ && way.from > 0 && piece.first != piece.last && !direct(piece.first, ux, uy)) return false;
+  way.bx = way.ox + ux * way.from, way.by = way.oy + uy * way.from;
+  return true;
+}
+
+/// Sets the direction of a beam in the plane.
+bool CutEvidence::direct(std::size_t beam, float& ux, float& uy) const {
+  const Raster::Point to = view_->place(view_->grid().ends[beam]);
+  const float reach = reach_of(to);
+  if (!(reach > shortest)) return false;
+  ux = (to.x - at_.x) / reach, uy = (to.y - at_.y) / reach;
+  return true;
 }
 
 /// Adds the blind part of a column whose lowest beams do not cross the plane or have different directions.
@@ -229,7 +211,7 @@ void CutEvidence::end_piece(const Ray& first, std::size_t last, std::size_t next
 }
 
 bool CutEvidence::are_joined(const Piece& a, const Piece& b, Visibility::Kind kind) const {
-  if (tilted_ && kind == Visibility::seen) return a.first == b.first;
+  if (tilted_ && kind == Visibility::seen) return a.first % rings_ == b.first % rings_;
   return a.way.from <= b.way.length && b.way.from <= a.way.length;
 }
 
@@ -269,7 +251,8 @@ void CutEvidence::join_column(Visibility::Kind kind) {
   Strips& strips = strips_[kind];
   const std::size_t before = strips.count;
   for (std::size_t s = 0; s < before; ++s) strips.open[s].goes_on = strips.open[s].has_branch = false;
-  for (const Piece& piece : strips.column) {
+  for (Piece& piece : strips.column) {
+    if (!place(piece)) continue;
     bool has_strip = false, is_branch = false;
     for (std::size_t s = 0; s < before; ++s) {
       Strip& strip = strips.open[s];
@@ -340,6 +323,9 @@ void CutEvidence::find(const PlaneView& view, const PlaneTops& tops, HeightBand 
   const RingGrid& grid = view.grid();
   sign_ = view.sensor_above() >= 0 ? 1.0F : -1.0F;
   look_from(BeamEnd{0, 0, 0, 0});
+  // Beyond all ranges.
+  reach_ = 2 * (static_cast<float>(visibility.raster().grid().range_max) +
+                std::sqrt(at_.x * at_.x + at_.y * at_.y));
   tilted_ = view.rotation().row(2).head<2>().norm() > level_enough;
   // Lidars turn clockwise as seen from above.
   clockwise_ = view.rotation()(2, 2) > 0;

@@ -27,8 +27,7 @@ namespace lidard {
 /// object, the piece is free up to the object. The part nearer than the nearest crossing and the nearest
 /// object is blind: no beam can see it. Pieces of neighbouring columns that overlap are one outline.
 ///
-/// A lone return (a drop, a leaf), beside which on all four sides, in its ring and in its column, one of the
-/// next two beams goes on far beyond, hides nothing: its beam counts as the nearer one of those in the ring.
+/// A lone return hides nothing: its beam counts as the one by which it is shown.
 class CutEvidence {
  public:
   /// Adds the outlines of a lidar's evidence for the view's plane; `tops` belong to that plane. Free pieces
@@ -53,9 +52,10 @@ class CutEvidence {
   };
   /// A piece of a column's way through the plane.
   struct Piece {
-    OutlineBeam way;
-    std::size_t last;   // the beam that ends it, RingGrid::index()
-    std::size_t first;  // ring of the beam that begins it
+    float from;  // m, level
+    End end;
+    std::size_t first, last;  // the beams that begin and end it, RingGrid::index()
+    OutlineBeam way;          // the same in the frame, as soon as it is placed
   };
   /// Pieces of neighbouring columns with one outline.
   struct Strip {
@@ -72,7 +72,6 @@ class CutEvidence {
   };
 
   void mark_beams();
-  void find_lone_returns();
   std::size_t shown_by(std::size_t i) const;
   Ray ray(std::size_t i) const;
   /// m, e of the drawing.
@@ -81,7 +80,10 @@ class CutEvidence {
   float reach_of(std::size_t i) const {
     return view_->grid().moved ? reach_of(view_->place(view_->grid().ends[i])) : view_->reaches()[i];
   }
-  float reach_of(const Raster::Point& end) const { return std::hypot(end.x - at_.x, end.y - at_.y); }
+  float reach_of(const Raster::Point& end) const {
+    const float x = end.x - at_.x, y = end.y - at_.y;
+    return std::sqrt(x * x + y * y);
+  }
   void look_from(const BeamEnd& origin);
   float above(std::size_t i) const { return view_->above(shown_by(i)); }
   /// The k-th beam of a column, in order away from the sensor's foot.
@@ -93,6 +95,8 @@ class CutEvidence {
   End end_at(std::size_t i) const;
   End thing_at(std::size_t last, std::size_t next) const;
   void add(Visibility::Kind kind, float from, const Ray& first, std::size_t along, End end);
+  bool place(Piece& piece) const;
+  bool direct(std::size_t beam, float& ux, float& uy) const;
   void add_blind(std::size_t lowest);
   float wall_in_band(std::size_t column) const;
   float whole_band_from(std::size_t column) const;
@@ -115,6 +119,7 @@ class CutEvidence {
   HeightBand band_;
   std::size_t rings_ = 0;
   Raster::Point at_{};               // m, the sensor in the frame, when it fired the current column
+  float reach_ = 0;                  // m
   float sensor_ = 0;                 // m, its distance from the plane
   float sign_ = 1;                   // -1: the sensor is beneath the plane
   std::ptrdiff_t step_ = 1;          // from a beam to the next one away from the sensor's foot
@@ -122,10 +127,6 @@ class CutEvidence {
   bool clockwise_ = false;           // order of the columns
   bool tilted_ = false;              // the beams of a column have different directions in the plane
   std::vector<std::uint8_t> marks_;  // by RingGrid::index()
-  struct Lone {
-    std::size_t beam, shown_by;
-  };
-  std::vector<Lone> lone_;  // by beam
   // Of the current column.
   float farthest_ = 0;     // m, nearest object in the band
   float looked_from_ = 0;  // m, whole_band_from()

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/base/bytes.h"
+#include "core/base/clones.h"
 #include "core/evidence/placed_scan.h"
 
 namespace lidard {
@@ -31,6 +32,52 @@ void RingLinks::set(const RingGrid& grid, double noise) {
     if (!grid.is_known(r) || !grid.is_known(r + 1)) continue;
     upright_slopes_[r] = slope_of(std::min(std::fabs(grid.elevation(r + 1) - grid.elevation(r)), 0.3));
   }
+  find_lone_returns();
+}
+
+/// Marks the returns beside which a beam of their ring passes on both sides.
+LIDARD_CLONES void RingLinks::mark_lone_in_ring() {
+  const std::size_t cells = grid_->kind.size(), rings = grid_->rings();
+  resize_amply(cells, lone_in_ring_);
+  resize_amply(cells + 4 * rings, lengths_);
+  const Beam* const kinds = grid_->kind.data();
+  const float* const range = grid_->range.data();
+  float* const lengths = lengths_.data() + 2 * rings;
+  for (std::size_t i = 0; i < cells; ++i)
+    lengths[i] = kinds[i] == Beam::point || kinds[i] == Beam::none ? range[i] : 0;
+  std::copy_n(lengths, 2 * rings, lengths + cells);
+  std::copy_n(lengths + cells - 2 * rings, 2 * rings, lengths_.data());
+  std::uint8_t* const marks = lone_in_ring_.data();
+  const float* const first = lengths_.data();
+  for (std::size_t i = 0; i < cells; ++i) {
+    const float* const at = first + i;
+    const float beyond = at[2 * rings] + PlacedScan::lone_depth;
+    const int before = (at[rings] > beyond ? 1 : 0) | (at[0] > beyond ? 1 : 0);
+    const int after = (at[3 * rings] > beyond ? 1 : 0) | (at[4 * rings] > beyond ? 1 : 0);
+    marks[i] = static_cast<std::uint8_t>(before & after & (kinds[i] == Beam::point ? 1 : 0));
+  }
+}
+
+void RingLinks::find_lone_returns() {
+  lone_returns_.clear();
+  const std::size_t rings = grid_->rings(), columns = grid_->columns();
+  if (columns <= 4) return;
+  mark_lone_in_ring();
+  const float* const lengths = lengths_.data() + 2 * rings;
+  each_set(lone_in_ring_.data(), lone_in_ring_.size(), [&](std::size_t i) {
+    const std::size_t column = i / rings, ring = i % rings;
+    const float beyond = lengths[i] + PlacedScan::lone_depth;
+    // Two drops may be neighbours.
+    const bool below = ring == 0 || lengths[i - 1] > beyond || (ring > 1 && lengths[i - 2] > beyond);
+    const bool above =
+        ring + 1 >= rings || lengths[i + 1] > beyond || (ring + 2 < rings && lengths[i + 2] > beyond);
+    if (!below || !above) return;
+    std::size_t before = grid_->index(this->before(column), ring),
+                after = grid_->index(grid_->after(column), ring);
+    if (!(lengths[before] > beyond)) before = grid_->index(this->before(this->before(column)), ring);
+    if (!(lengths[after] > beyond)) after = grid_->index(grid_->after(grid_->after(column)), ring);
+    lone_returns_.push_back({i, lengths[before] < lengths[after] ? before : after});
+  });
 }
 
 bool RingLinks::in_line(std::size_t a, std::size_t b, std::size_t c) const {

@@ -17,6 +17,14 @@ class RingLinks {
   /// The grid must stay alive. `noise`: one standard deviation of a range, m.
   void set(const RingGrid& grid, double noise);
 
+  /// A return (a drop, a leaf) beside which on all four sides, in its ring and in its column, one of the next
+  /// two beams goes on far beyond. `shown_by`: the nearer one of these in the ring.
+  struct LoneReturn {
+    std::size_t beam, shown_by;  // RingGrid::index()
+  };
+  /// By beam.
+  const std::vector<LoneReturn>& lone_returns() const { return lone_returns_; }
+
   /// Links return `ring` of `column` with that of the next column; level_at(): by RingGrid::index().
   bool level(std::size_t column, std::size_t ring) const { return level_at(grid_->index(column, ring)); }
   bool level_at(std::size_t i) const {
@@ -48,6 +56,8 @@ class RingLinks {
   bool is_level(std::size_t i) const;
   bool grazing_level(std::size_t column, std::size_t ring) const;
   bool grazing(std::size_t a, std::size_t b, std::size_t c, std::size_t d) const;
+  void find_lone_returns();
+  void mark_lone_in_ring();
   std::size_t before(std::size_t column) const { return column > 0 ? column - 1 : grid_->columns() - 1; }
 
   const RingGrid* grid_ = nullptr;
@@ -55,6 +65,9 @@ class RingLinks {
   float level_slope_ = 0;
   std::vector<float> upright_slopes_;  // per ring, to the next one
   mutable std::vector<Link> levels_;   // answers of level(), which frames ask again and again
+  std::vector<LoneReturn> lone_returns_;
+  std::vector<float> lengths_;  // m, as far as a beam is known to see, with two columns on each side
+  std::vector<std::uint8_t> lone_in_ring_;  // by RingGrid::index()
 };
 
 /// How ground and objects are distinguished. `plane`: ground is at most `tolerance` above z. `slope`: ground
