@@ -21,9 +21,11 @@ namespace lidard {
 class Crossings {
  public:
   struct Crossing {
-    float at;            ///< m from the origin
-    std::uint32_t edge;  ///< in Outlines::edges
-    bool clockwise;      ///< the beam goes from right to left
+    float at;              ///< m from the origin
+    std::uint32_t edge;    ///< in Outlines::edges
+    std::uint16_t source;  ///< that of the edge
+    std::int8_t free;      ///< change of the number of free layers on the way outward
+    std::int8_t hidden;    ///< the same of hidden layers
   };
   /// The crossings of one beam, by distance.
   struct Range {
@@ -36,24 +38,22 @@ class Crossings {
   /// Finds the crossings of all beams.
   void find(const Outlines& outlines, const Raster& raster);
   Range of(std::size_t beam) const {
-    return {sorted_.data() + firsts_[beam], sorted_.data() + firsts_[beam + 1]};
+    return {crossings_.data() + ends_[beam], crossings_.data() + ends_[beam + 1]};
   }
 
  private:
-  struct Found {
-    Crossing crossing;
-    std::uint32_t beam;
-  };
   void find_beams(const Outlines& outlines, const Raster& raster);
-  void cross(const Outlines& outlines, std::uint32_t edge, std::int32_t first, std::int32_t end,
+  void count(const Outlines& outlines, const Raster& raster);
+  void cross(const Outlines& outlines, std::uint32_t edge, std::uint32_t first, std::uint32_t end,
              bool clockwise, const Raster& raster);
-  void sort(std::size_t beams);
+  static void sort(Crossing* first, Crossing* last);
+  template <class Use>
+  void each_stretch(const Outlines::Edge& edge, const Raster& raster, Use use) const;
 
-  std::vector<float> positions_;     // of the vertices, in beams
-  std::vector<std::int32_t> beams_;  // rounded up, at most the number of beams
-  std::vector<Found> found_;
-  std::vector<std::uint32_t> firsts_;  // in sorted_, per beam, and the end
-  std::vector<Crossing> sorted_;
+  std::vector<float> positions_;      // of the vertices, in beams
+  std::vector<std::uint32_t> beams_;  // rounded up, at most the number of beams
+  std::vector<std::uint32_t> ends_;   // in crossings_: the end of the crossings of the beam before
+  std::vector<Crossing> crossings_;
 };
 
 }  // namespace lidard

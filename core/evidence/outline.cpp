@@ -79,10 +79,10 @@ void Outlines::add_sweep(const BeamRays& rays, const PlacedScan& sweep) {
   }
 }
 
-void Outlines::add_strip(const std::vector<Beam>& beams, float step, Side begin, Side end) {
+void Outlines::add_strip(std::vector<Beam>& beams, float step, Side begin, Side end) {
   step_ = step;
   moved_ = true;
-  beams_.assign(beams.begin(), beams.end());
+  beams_.swap(beams);
   const auto share = [this](Side side) { return side == Side::open ? passed_share_ : 0; };
   add_run(0, beams_.size(), false, share(begin), share(end));
 }
@@ -217,7 +217,7 @@ void Outlines::push(std::uint32_t vertex, const Beam& beam, bool hides, Edge::Ne
 /// Adds what lies between beam k and the next one, but for the end of the next one.
 void Outlines::add_pair(std::size_t k) {
   const std::uint32_t vertex = vertex_of(k);
-  const Beam a = beam(k), b = beam(k + 1);
+  const Beam &a = beam(k), &b = beam(k + 1);
   const bool nearer = a.length <= b.length;
   const bool hides = nearer ? a.hides : b.hides;
   if (a.to_next) {

@@ -64,7 +64,8 @@ class Outlines {
   void add_sweep(const BeamRays& rays, const PlacedScan& sweep);
   /// Adds the outline of beams in counter-clockwise order, neighbours all. An `open` side extends by the
   /// passed share of a step, a `joined` one ends in the beam.
-  void add_strip(const std::vector<Beam>& beams, float step, Side begin, Side end);
+  /// The list's content is lost.
+  void add_strip(std::vector<Beam>& beams, float step, Side begin, Side end);
   /// Adds a polygon that is free inside: the vehicle.
   void add_polygon(std::size_t source, const Footprint& polygon);
 

@@ -77,7 +77,9 @@ void Visibility::compute() {
 }
 
 /// m from the return that hides what lies behind an edge to where the beam crosses the edge.
-float Visibility::behind(const Outlines::Edge& edge, std::size_t beam, float at) const {
+float Visibility::behind(std::size_t beam, const Crossings::Crossing& crossing) const {
+  const Outlines::Edge& edge = outlines_.edges[crossing.edge];
+  const float at = crossing.at;
   if (edge.near == Outlines::Edge::both) return 0;
   const std::uint32_t near = edge.near == Outlines::Edge::at_from ? edge.from : edge.to;
   return std::hypot(at * raster_.cosine(beam) - outlines_.x[near],
@@ -88,10 +90,9 @@ float Visibility::behind(const Outlines::Edge& edge, std::size_t beam, float at)
 void Visibility::begin_walk(Walk& walk) {
   for (Layers& layers : layers_) layers = {0, 0, infinite};
   for (const Crossings::Crossing& crossing : crossings_.of(walk.beam)) {
-    const Outlines::Edge& edge = outlines_.edges[crossing.edge];
-    Layers& layers = layers_[edge.source];
-    layers.free += crossing.clockwise ? edge.free : -edge.free;
-    layers.hidden += crossing.clockwise ? edge.hidden : -edge.hidden;
+    Layers& layers = layers_[crossing.source];
+    layers.free -= crossing.free;
+    layers.hidden -= crossing.hidden;
   }
   for (std::size_t s = 0; s < layers_.size(); ++s) {
     walk.free[kind_of(s)] += layers_[s].free > 0 ? 1 : 0;
@@ -100,16 +101,15 @@ void Visibility::begin_walk(Walk& walk) {
 }
 
 void Visibility::cross(Walk& walk, const Crossings::Crossing& crossing) {
-  const Outlines::Edge& edge = outlines_.edges[crossing.edge];
-  Layers& layers = layers_[edge.source];
+  Layers& layers = layers_[crossing.source];
   const bool was_free = layers.free > 0, was_hidden = layers.hidden > 0, was_any = walk.is_free();
-  layers.free += crossing.clockwise ? -edge.free : edge.free;
-  layers.hidden += crossing.clockwise ? -edge.hidden : edge.hidden;
+  layers.free += crossing.free;
+  layers.hidden += crossing.hidden;
   const bool is_free = layers.free > 0, is_hidden = layers.hidden > 0;
-  if (is_hidden && !was_hidden) layers.behind = behind(edge, walk.beam, crossing.at);
+  if (is_hidden && !was_hidden) layers.behind = behind(walk.beam, crossing);
   walk.hidden += is_hidden == was_hidden ? 0 : is_hidden ? 1 : -1;
   if (is_free == was_free) return;
-  walk.free[kind_of(edge.source)] += is_free ? 1 : -1;
+  walk.free[kind_of(crossing.source)] += is_free ? 1 : -1;
   if (was_any && !walk.is_free()) walk.stretch = {crossing.at, infinite, infinite};
   if (!was_any && walk.is_free()) end_unseen(walk, crossing.at);
 }

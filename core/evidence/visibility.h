@@ -118,7 +118,7 @@ class Visibility {
   void cross(Walk& walk, const Crossings::Crossing& crossing);
   void pass_unseen(Walk& walk, float from, float to) const;
   void end_unseen(Walk& walk, float to);
-  float behind(const Outlines::Edge& edge, std::size_t beam, float at) const;
+  float behind(std::size_t beam, const Crossings::Crossing& crossing) const;
 
   VisibilitySettings settings_;
   Raster raster_;

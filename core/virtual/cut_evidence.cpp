@@ -25,65 +25,74 @@ constexpr std::size_t most_silent = 1;
 
 }  // namespace
 
-LIDARD_CLONES void CutEvidence::mark_beams() {
-  const std::size_t cells = view_->heights().size();
-  resize_amply(cells, marks_);
-  const Beam* const kinds = view_->grid().kind.data();
-  const float* const heights = view_->heights().data();
-  const char* const grounds = view_->ground().is_ground.data();
-  const float level = view_->level();
-  const bool from_above = sign_ > 0;
+/// Measures the beams of a column in the plane.
+LIDARD_CLONES void CutEvidence::measure_column(std::size_t column) {
+  const RingGrid& grid = view_->grid();
+  const std::size_t rings = rings_;
+  base_ = grid.index(column, 0);
+  if (grid.moved) look_from(grid.origins[column]);
+  const Beam* const kinds = grid.kind.data() + base_;
+  const float* const heights = view_->heights().data() + base_;
+  const char* const grounds = view_->ground().is_ground.data() + base_;
   std::uint8_t* const marks = marks_.data();
-  for (std::size_t i = 0; i < cells; ++i) {
-    const int point = kinds[i] == Beam::point ? 1 : 0;
-    const int ends = point | (kinds[i] == Beam::none ? 1 : 0);
-    const int beyond = from_above ? (heights[i] < level ? 1 : 0) : (heights[i] > level ? 1 : 0);
-    const int thing = point & (grounds[i] == Ground::sure ? 0 : 1);
-    marks[i] = static_cast<std::uint8_t>(known * ends | crosses * (ends & beyond) | meets * (thing & beyond));
+  float* const ends = ends_.data();
+  float* const beneath = beneath_.data();
+  float* const crossings = crossings_.data();
+  if (grid.moved)
+    view_->measure_reaches(column, at_, ends);
+  else
+    std::copy_n(view_->reaches().data() + base_, rings, ends);
+  const float level = view_->level(), sensor = sensor_, sign = sign_;
+  for (std::size_t r = 0; r < rings; ++r) {
+    const int point = kinds[r] == Beam::point ? 1 : 0;
+    const int ended = point | (kinds[r] == Beam::none ? 1 : 0);
+    const int thing = point & (grounds[r] == Ground::sure ? 0 : 1);
+    beneath[r] = sign * (level - heights[r]);
+    const int beyond = beneath[r] > 0 ? 1 : 0;
+    crossings[r] = ends[r] * sensor / std::max(sensor + beneath[r], 1e-6F);
+    marks[r] =
+        static_cast<std::uint8_t>(known * ended | hits * point | stands * thing | crosses * (ended & beyond));
   }
-  for (const RingLinks::LoneReturn& one : view_->links().lone_returns())
-    marks_[one.beam] = static_cast<std::uint8_t>(marks_[one.shown_by] | lone);
+  for (; lone_ != lone_end_ && lone_->beam < base_ + rings; ++lone_) show_lone_return(*lone_);
 }
 
-/// The beam whose end counts for beam i: of a lone return, one beside it.
-inline std::size_t CutEvidence::shown_by(std::size_t i) const {
-  if ((marks_[i] & lone) == 0) return i;
-  const auto& all = view_->links().lone_returns();
-  const auto is_before = [](const RingLinks::LoneReturn& one, std::size_t beam) { return one.beam < beam; };
-  const auto at = std::lower_bound(all.begin(), all.end(), i, is_before);
-  return at != all.end() && at->beam == i ? at->shown_by : i;
-}
-
-inline CutEvidence::Ray CutEvidence::ray(std::size_t i) const {
-  return {i, end_of(i) * sensor_ / std::max(sensor_ - sign_ * above(i), 1e-6F)};
+/// In place of a lone return, the beam by which it is shown counts.
+void CutEvidence::show_lone_return(const RingLinks::LoneReturn& one) {
+  const std::size_t r = one.beam - base_, i = one.shown_by;
+  ends_[r] = reach_of(view_->place(view_->grid().ends[i]));
+  beneath_[r] = -sign_ * view_->above(i);
+  crossings_[r] = ends_[r] * sensor_ / std::max(sensor_ + beneath_[r], 1e-6F);
+  const bool hit = view_->grid().kind[i] == Beam::point;
+  const bool thing = hit && view_->ground().is_ground[i] != Ground::sure;
+  marks_[r] = static_cast<std::uint8_t>(known | lone | (hit ? hits : 0) | (thing ? stands : 0) |
+                                        (beneath_[r] > 0 ? crosses : 0));
 }
 
 /// Where a beam that does not cross the plane ends.
-CutEvidence::End CutEvidence::end_at(std::size_t i) const {
-  if ((marks_[i] & (known | crosses)) != known) return {infinite, false};
-  return {end_of(i), view_->grid().kind[shown_by(i)] == Beam::point};
+CutEvidence::End CutEvidence::end_at(std::size_t ring) const {
+  if ((marks_[ring] & (known | crosses)) != known) return {infinite, false};
+  return {ends_[ring], (marks_[ring] & hits) != 0};
 }
 
 /// The object that the crossing beam `last` hits beyond the plane, if it may reach the plane under the next
 /// beam. The ground does not, nor does an object that is known to be lower.
 CutEvidence::End CutEvidence::thing_at(std::size_t last, std::size_t next) const {
-  if ((marks_[last] & meets) == 0 || tops_->verdicts()[next] == PlaneTops::stays_below)
-    return {infinite, true};
-  return {end_of(last), true};
+  if ((marks_[last] & stands) == 0 || verdict(next) == PlaneTops::stays_below) return {infinite, true};
+  return {ends_[last], true};
 }
 
-/// Adds a piece that begins where `first` crosses the plane, or at `from` m if that is farther, and ends in
-/// the direction of beam `along`.
-void CutEvidence::add(Visibility::Kind kind, float from, const Ray& first, std::size_t along, End end) {
+/// Adds a piece that begins at `from` m, where ring `first` crosses the plane or farther away, and ends in
+/// the direction of ring `along`.
+void CutEvidence::add(Visibility::Kind kind, float from, std::size_t first, std::size_t along, End end) {
   if (end.at > reach_) end = {reach_, false};
   if (!(end.at - from > shortest)) return;
   std::vector<Piece>& column = strips_[kind].column;
   // A column's pieces begin farther and farther away. Those that overlap are one.
   if (tilted_ || column.empty() || from > column.back().end.at) {
-    column.push_back({from, end, first.beam, along, {}});
+    column.push_back({from, end, base_ + first, base_ + along, {}});
   } else if (end.at > column.back().end.at) {
     column.back().end = end;
-    column.back().last = along;
+    column.back().last = base_ + along;
   }
 }
 
@@ -113,43 +122,37 @@ bool CutEvidence::direct(std::size_t beam, float& ux, float& uy) const {
 
 /// Adds the blind part of a column whose lowest beams do not cross the plane or have different directions.
 void CutEvidence::add_blind(std::size_t lowest) {
-  const Ray along = ray(lowest);
   const End end = end_at(lowest);
-  const bool ends = end.at < along.at && end.hides;
+  const bool ends = end.at < crossings_[lowest] && end.hides;
   const std::size_t next = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(lowest) + step_);
-  const bool has_next = step_ > 0 ? lowest % rings_ + 1 < rings_ : lowest % rings_ > 0;
-  const bool top_alone = ends && has_next && tops_->verdicts()[next] == PlaneTops::top_alone;
-  add(top_alone ? Visibility::front : Visibility::blind, 0, along, lowest,
-      {ends ? end.at : std::max(along.at, looked_from_), ends});
+  const bool top_alone = ends && next < rings_ && verdict(next) == PlaneTops::top_alone;
+  add(top_alone ? Visibility::front : Visibility::blind, 0, lowest, lowest,
+      {ends ? end.at : std::max(crossings_[lowest], looked_from_), ends});
 }
 
-/// m to the nearest object of a column between the heights of the band.
-float CutEvidence::wall_in_band(std::size_t column) const {
+/// m to the nearest object of the column between the heights of the band.
+float CutEvidence::wall_in_band() const {
   if (!(band_.max > band_.min)) return infinite;
-  const RingGrid& grid = view_->grid();
   float nearest = infinite;
-  for (std::size_t r = 0; r < grid.rings(); ++r) {
-    const std::size_t i = grid.index(column, r);
-    if (grid.kind[i] != Beam::point || view_->ground().is_ground[i] == Ground::sure) continue;
-    if ((marks_[i] & lone) != 0) continue;
-    const auto height = static_cast<double>(view_->heights()[i]);
-    if (!(height >= band_.min && height <= band_.max)) continue;
-    nearest = std::min(nearest, end_of(i));
+  for (std::size_t r = 0; r < rings_; ++r) {
+    const float height = view_->level() - sign_ * beneath_[r];
+    const bool counts = (marks_[r] & (stands | lone)) == stands && height >= static_cast<float>(band_.min) &&
+                        height <= static_cast<float>(band_.max);
+    if (counts) nearest = std::min(nearest, ends_[r]);
   }
   return nearest;
 }
 
-/// m from where on a column's beams have looked at all of the band: nearer its upper limit is above the
+/// m from where on the column's beams have looked at all of the band: nearer its upper limit is above the
 /// topmost beam of a lidar that stands in the band.
-float CutEvidence::whole_band_from(std::size_t column) const {
+float CutEvidence::whole_band_from() const {
   const float sensor = view_->level() + sign_ * sensor_;
   const auto top = static_cast<float>(band_.max), bottom = static_cast<float>(band_.min);
   if (!(bottom < sensor && sensor < top && std::isfinite(top))) return 0;
   for (std::size_t r = rings_; r-- > 0;) {
-    const std::size_t i = view_->grid().index(column, r);
-    if ((marks_[i] & known) == 0) continue;
-    const float rise = view_->heights()[i] - sensor;
-    return rise > 0 ? reach_of(i) * (top - sensor) / rise : infinite;
+    if ((marks_[r] & known) == 0) continue;
+    const float rise = -sign_ * (beneath_[r] + sensor_);
+    return rise > 0 ? ends_[r] * (top - sensor) / rise : infinite;
   }
   return infinite;
 }
@@ -163,50 +166,45 @@ void CutEvidence::look_from(const BeamEnd& origin) {
 
 /// Finds the pieces of a column; false if it has no beam.
 bool CutEvidence::find_column(std::size_t column) {
-  const std::size_t base = view_->grid().index(column, 0);
-  if (view_->grid().moved) look_from(view_->grid().origins[column]);
-  farthest_ = wall_in_band(column);
-  looked_from_ = whole_band_from(column);
-  const auto mark = [&](std::size_t k) { return marks_[beam(base, k)]; };
+  measure_column(column);
+  farthest_ = wall_in_band();
+  looked_from_ = whole_band_from();
+  const auto mark = [&](std::size_t k) { return marks_[ring(k)]; };
   const auto thing_before = [&](std::size_t next, std::size_t last) {
-    return next < rings_ ? thing_at(last, beam(base, next)) : End{infinite, true};
+    return next < rings_ ? thing_at(last, ring(next)) : End{infinite, true};
   };
   std::size_t k = 0;
   while (k < rings_ && mark(k) == 0) ++k;
   if (k == rings_) return false;
-  const std::size_t lowest = beam(base, k);
   const bool in_line = (mark(k) & crosses) != 0 && !tilted_ && view_->grid().fired_in_columns();
-  if (!in_line && sign_ * above(lowest) < sensor_) add_blind(lowest);
+  if (!in_line && beneath_[ring(k)] + sensor_ > 0) add_blind(ring(k));
   for (bool nearest = in_line;; nearest = false) {
     while (k < rings_ && (mark(k) & crosses) == 0) ++k;
     if (k == rings_) return true;
-    Ray first = ray(beam(base, k));
-    if (nearest) add(Visibility::blind, 0, first, first.beam, {std::max(first.at, looked_from_), false});
-    std::size_t last = beam(base, k++);
+    std::size_t first = ring(k);
+    if (nearest) add(Visibility::blind, 0, first, first, {std::max(crossings_[first], looked_from_), false});
+    std::size_t last = ring(k++);
     End thing = thing_before(k, last);
-    for (; k < rings_ && (mark(k) & crosses) != 0; last = beam(base, k++), thing = thing_before(k, last)) {
+    for (; k < rings_ && (mark(k) & crosses) != 0; last = ring(k++), thing = thing_before(k, last)) {
       if (thing.at < infinite) break;
       if (!tilted_) continue;
-      const Ray next = ray(beam(base, k));
-      add(Visibility::seen, first.at, first, next.beam, {next.at, false});
+      const std::size_t next = ring(k);
+      add(Visibility::seen, crossings_[first], first, next, {crossings_[next], false});
       first = next;
     }
-    end_piece(first, last, k < rings_ && mark(k) != 0 ? beam(base, k) : last, thing);
+    end_piece(first, last, k < rings_ && mark(k) != 0 ? ring(k) : last, thing);
   }
 }
 
-/// `next`: the neighbour of the last crossing beam, or `last` itself if nothing is known of the neighbour.
-void CutEvidence::end_piece(const Ray& first, std::size_t last, std::size_t next, End thing) {
-  const float at_next = ray(next).at;
+/// `next`: the neighbour of the last crossing ring, or `last` itself if nothing is known of the neighbour.
+void CutEvidence::end_piece(std::size_t first, std::size_t last, std::size_t next, End thing) {
   const bool crosses_too = next == last || (marks_[next] & crosses) != 0;
-  const End end = crosses_too ? End{at_next, false} : end_at(next);
+  const End end = crosses_too ? End{crossings_[next], false} : end_at(next);
   const bool ended = next != last && thing.at < end.at;
-  End free_end = ended ? End{std::max(ray(last).at, thing.at), true} : end;
+  End free_end = ended ? End{std::max(crossings_[last], thing.at), true} : end;
   if (free_end.at > farthest_) free_end = {farthest_, true};
-  add(Visibility::seen, std::max(first.at, looked_from_), first, next, free_end);
-  const std::uint8_t top = tops_->verdicts()[next];
-  const bool likely_lower = top == PlaneTops::likely_below;
-  if (crosses_too && ended && likely_lower && free_end.at <= end.at)
+  add(Visibility::seen, std::max(crossings_[first], looked_from_), first, next, free_end);
+  if (crosses_too && ended && verdict(next) == PlaneTops::likely_below && free_end.at <= end.at)
     add(Visibility::over, free_end.at, first, next, {end.at, false});
 }
 
@@ -301,6 +299,7 @@ void CutEvidence::end_strips(Visibility::Kind kind) {
 /// The first column follows the last one, and ends what has come round to it.
 void CutEvidence::close_circle() {
   side_ = Outlines::Side::joined;
+  lone_ = view_->links().lone_returns().data();
   find_column(0);
   join_column();
   for (const Visibility::Kind kind : every_kind) {
@@ -332,11 +331,16 @@ void CutEvidence::find(const PlaneView& view, const PlaneTops& tops, HeightBand 
   rings_ = grid.rings();
   step_ = sign_ > 0 ? 1 : -1;
   nearest_ring_ = sign_ > 0 ? 0 : rings_ - 1;
-  mark_beams();
+  marks_.resize(rings_);
+  ends_.resize(rings_);
+  beneath_.resize(rings_);
+  crossings_.resize(rings_);
   // While the vehicle drives a whole turn lies between the last column and the first one.
   const bool closes = !grid.moved;
   side_ = closes ? Outlines::Side::joined : Outlines::Side::open;
 
+  lone_ = view.links().lone_returns().data();
+  lone_end_ = lone_ + view.links().lone_returns().size();
   std::size_t silent = 0;
   for (std::size_t c = 0; c < grid.columns(); ++c) {
     silent = find_column(c) ? 0 : silent + 1;

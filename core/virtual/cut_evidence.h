@@ -37,14 +37,9 @@ class CutEvidence {
 
  private:
   using OutlineBeam = Outlines::Beam;
-  /// How a beam relates to the plane. `meets`: the beam crosses the plane and hits an object beyond.
-  enum Mark : std::uint8_t { known = 1, crosses = 2, meets = 4, lone = 8 };
-  /// A beam in the plane; `at` is a of the drawing: m, level in the plane, where it crosses the plane or
-  /// would cross it.
-  struct Ray {
-    std::size_t beam;
-    float at;
-  };
+  /// What is known of a beam. `hits`: a return; `stands`: one that is not ground. `crosses`: the beam crosses
+  /// the plane.
+  enum Mark : std::uint8_t { known = 1, crosses = 2, hits = 4, stands = 8, lone = 16 };
   /// Where the view of a beam ends.
   struct End {
     float at;  // m, level in the plane; infinite: nowhere
@@ -71,35 +66,27 @@ class CutEvidence {
     std::size_t count = 0;
   };
 
-  void mark_beams();
-  std::size_t shown_by(std::size_t i) const;
-  Ray ray(std::size_t i) const;
-  /// m, e of the drawing.
-  float end_of(std::size_t i) const { return reach_of(shown_by(i)); }
-  /// m, level from where the beam began to its end.
-  float reach_of(std::size_t i) const {
-    return view_->grid().moved ? reach_of(view_->place(view_->grid().ends[i])) : view_->reaches()[i];
-  }
+  void look_from(const BeamEnd& origin);
+  void measure_column(std::size_t column);
+  void show_lone_return(const RingLinks::LoneReturn& one);
+  /// m, level from where the column began to a point.
   float reach_of(const Raster::Point& end) const {
     const float x = end.x - at_.x, y = end.y - at_.y;
     return std::sqrt(x * x + y * y);
   }
-  void look_from(const BeamEnd& origin);
-  float above(std::size_t i) const { return view_->above(shown_by(i)); }
-  /// The k-th beam of a column, in order away from the sensor's foot.
-  std::size_t beam(std::size_t base, std::size_t k) const {
-    return base + nearest_ring_ + static_cast<std::size_t>(step_) * k;
-  }
+  /// The k-th ring, in order away from the sensor's foot.
+  std::size_t ring(std::size_t k) const { return nearest_ring_ + static_cast<std::size_t>(step_) * k; }
+  std::uint8_t verdict(std::size_t ring) const { return tops_->verdicts()[base_ + ring]; }
   bool find_column(std::size_t column);
-  void end_piece(const Ray& first, std::size_t last, std::size_t next, End thing);
-  End end_at(std::size_t i) const;
+  void end_piece(std::size_t first, std::size_t last, std::size_t next, End thing);
+  End end_at(std::size_t ring) const;
   End thing_at(std::size_t last, std::size_t next) const;
-  void add(Visibility::Kind kind, float from, const Ray& first, std::size_t along, End end);
+  void add(Visibility::Kind kind, float from, std::size_t first, std::size_t along, End end);
   bool place(Piece& piece) const;
   bool direct(std::size_t beam, float& ux, float& uy) const;
   void add_blind(std::size_t lowest);
-  float wall_in_band(std::size_t column) const;
-  float whole_band_from(std::size_t column) const;
+  float wall_in_band() const;
+  float whole_band_from() const;
 
   void join_column();
   void join_column(Visibility::Kind kind);
@@ -118,18 +105,24 @@ class CutEvidence {
   std::size_t lidar_ = 0;
   HeightBand band_;
   std::size_t rings_ = 0;
-  Raster::Point at_{};               // m, the sensor in the frame, when it fired the current column
-  float reach_ = 0;                  // m
-  float sensor_ = 0;                 // m, its distance from the plane
-  float sign_ = 1;                   // -1: the sensor is beneath the plane
-  std::ptrdiff_t step_ = 1;          // from a beam to the next one away from the sensor's foot
-  std::size_t nearest_ring_ = 0;     // to the sensor's foot
-  bool clockwise_ = false;           // order of the columns
-  bool tilted_ = false;              // the beams of a column have different directions in the plane
-  std::vector<std::uint8_t> marks_;  // by RingGrid::index()
-  // Of the current column.
-  float farthest_ = 0;     // m, nearest object in the band
-  float looked_from_ = 0;  // m, whole_band_from()
+  Raster::Point at_{};            // m, the sensor in the frame, when it fired the current column
+  float reach_ = 0;               // m
+  float sensor_ = 0;              // m, its distance from the plane
+  float sign_ = 1;                // -1: the sensor is beneath the plane
+  std::ptrdiff_t step_ = 1;       // from a beam to the next one away from the sensor's foot
+  std::size_t nearest_ring_ = 0;  // to the sensor's foot
+  bool clockwise_ = false;        // order of the columns
+  bool tilted_ = false;           // the beams of a column have different directions in the plane
+  const RingLinks::LoneReturn* lone_ = nullptr;  // the first one of the columns that follow
+  const RingLinks::LoneReturn* lone_end_ = nullptr;
+  // Of the current column, by ring.
+  std::size_t base_ = 0;  // RingGrid::index() of the first ring
+  std::vector<std::uint8_t> marks_;
+  std::vector<float> ends_;       // m, e of the drawing
+  std::vector<float> beneath_;    // m, of the end, beyond the plane as seen from the sensor
+  std::vector<float> crossings_;  // m, a of the drawing: where the beam crosses the plane or would cross it
+  float farthest_ = 0;            // m, nearest object in the band
+  float looked_from_ = 0;         // m, whole_band_from()
 
   std::array<Strips, Visibility::kinds> strips_;
   Outlines::Side side_ = Outlines::Side::open;  // of strips that begin in the current column

@@ -68,10 +68,15 @@ LIDARD_CLONES void PlaneView::set_level(float level) {
   std::copy_n(sides, grid_->rings(), sides + cells);
 }
 
-Raster::Point PlaneView::place(const BeamEnd& end) const {
-  const auto& r = rotation_;
-  return {r(0, 0) * end.x + r(0, 1) * end.y + r(0, 2) * end.z + translation_.x(),
-          r(1, 0) * end.x + r(1, 1) * end.y + r(1, 2) * end.z + translation_.y(), end.intensity};
+LIDARD_CLONES void PlaneView::measure_reaches(std::size_t column, const Raster::Point& from,
+                                              float* reaches) const {
+  const std::size_t rings = grid_->rings();
+  const BeamEnd* const ends = grid_->ends.data() + grid_->index(column, 0);
+  for (std::size_t r = 0; r < rings; ++r) {
+    const Raster::Point end = place(ends[r]);
+    const float x = end.x - from.x, y = end.y - from.y;
+    reaches[r] = std::sqrt(x * x + y * y);
+  }
 }
 
 Raster::Point PlaneView::between(std::size_t a, std::size_t b) const {

@@ -39,6 +39,8 @@ class PlaneView {
   const std::vector<float>& heights() const { return heights_; }
   /// m from the sensor to a beam's end along the frame's xy plane, by RingGrid::index().
   const std::vector<float>& reaches() const { return reaches_; }
+  /// The same of one column from a point of the frame.
+  void measure_reaches(std::size_t column, const Raster::Point& from, float* reaches) const;
   /// By RingGrid::index(); the first column is repeated after the last one.
   const std::vector<std::uint8_t>& sides() const { return sides_; }
   /// m above the plane, of a beam's end, of a point of the cloud's frame and of the sensor.
@@ -57,7 +59,11 @@ class PlaneView {
 
   /// Points in the frame: a beam's end, the crossing of the plane with the line between two ends on either
   /// side, and the point of the plane straight beneath or above an end.
-  Raster::Point place(const BeamEnd& end) const;
+  Raster::Point place(const BeamEnd& end) const {
+    const auto& r = rotation_;
+    return {r(0, 0) * end.x + r(0, 1) * end.y + r(0, 2) * end.z + translation_.x(),
+            r(1, 0) * end.x + r(1, 1) * end.y + r(1, 2) * end.z + translation_.y(), end.intensity};
+  }
   Raster::Point between(std::size_t a, std::size_t b) const;
   Raster::Point straight_from(std::size_t i) const;
 
