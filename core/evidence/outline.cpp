@@ -17,6 +17,9 @@ constexpr float far_step = 0.95F;
 constexpr float same_length = 1e-4F;
 // Share of the distance; free ways whose begins differ less begin along a straight line.
 constexpr float same_begin = 0.03F;
+// Share of the distance; a border that changes less is drawn with a vertex per so many rad.
+constexpr float same_border = 0.0002F;
+constexpr float border_step = 0.03F;
 // The path of a scanner is drawn with a vertex per so many beams. It bends little within a sweep.
 constexpr std::size_t path_stride = 16;
 
@@ -83,8 +86,30 @@ void Outlines::add_strip(std::vector<Beam>& beams, float step, Side begin, Side 
   step_ = step;
   moved_ = true;
   beams_.swap(beams);
+  drop_needless_beams();
   const auto share = [this](Side side) { return side == Side::open ? passed_share_ : 0; };
   add_run(0, beams_.size(), false, share(begin), share(end));
+}
+
+/// Drops beams within an open border, whose neighbours tell the same.
+void Outlines::drop_needless_beams() {
+  const auto same = [this](std::size_t kept, std::size_t k) {
+    const Beam &p = beams_[kept], &b = beams_[k];
+    return p.to_next && !p.hides && !b.hides && std::fabs(p.length - b.length) <= same_border * p.length &&
+           std::fabs(p.from - b.from) <= same_border * p.from;
+  };
+  const std::size_t n = beams_.size();
+  // The ends of the strip are as wide as the step to their neighbours.
+  if (n < 5) return;
+  std::size_t kept = 1;
+  float since = 0;  // rad
+  for (std::size_t k = 2; k < n; ++k) {
+    since += step_;
+    if (since < border_step && k + 2 < n && beams_[k].to_next && same(kept, k) && same(kept, k + 1)) continue;
+    beams_[++kept] = beams_[k];
+    since = 0;
+  }
+  beams_.resize(kept + 1);
 }
 
 void Outlines::read_beams(const BeamRays& rays, const PlacedScan& sweep) {
@@ -266,9 +291,17 @@ void Outlines::add_inner_side(std::size_t first, std::size_t end, bool closed) {
     at = vertex;
   };
   if (!closed) lead_to(add_vertex(chain_.back().bx, chain_.back().by));
+  std::size_t drawn = end - 1;
   for (std::size_t k = end - 1; k > first + stride; k -= stride) {
-    if (begins_later) lead_along_border(beam(k), beam(k - 1), lead_to);
-    lead_to(add_vertex(beam(k - stride).bx, beam(k - stride).by));
+    const Beam& next = beam(k - stride);
+    const auto same = [&](std::size_t other) {
+      return std::fabs(beam(drawn).from - beam(other).from) <= same_border * beam(drawn).from;
+    };
+    const bool near = static_cast<float>(drawn - k) * step_ < border_step;
+    if (begins_later && near && same(k - 1) && same(k - 2)) continue;
+    if (begins_later) lead_along_border(beam(k), next, lead_to);
+    lead_to(add_vertex(next.bx, next.by));
+    drawn = k - stride;
   }
   if (begins_later && end - first > 1) lead_along_border(beam(first + 1), beam(first), lead_to);
   if (closed || stride < end - first) lead_to(add_vertex(beam(first).bx, beam(first).by));

@@ -84,6 +84,7 @@ class Outlines {
 
   std::uint32_t add_vertex(float at_x, float at_y);
   Edge& add_edge(std::uint32_t from, std::uint32_t to, int free, int hidden);
+  void drop_needless_beams();
   void read_beams(const BeamRays& rays, const PlacedScan& sweep);
   static void place_beam(const BeamRays& rays, const PlacedScan& sweep, std::size_t i, float reach,
                          Beam& beam);

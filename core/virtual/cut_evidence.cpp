@@ -44,12 +44,15 @@ LIDARD_CLONES void CutEvidence::measure_column(std::size_t column) {
     std::copy_n(view_->reaches().data() + base_, rings, ends);
   const float level = view_->level(), sensor = sensor_, sign = sign_;
   for (std::size_t r = 0; r < rings; ++r) {
+    const float under = sign * (level - heights[r]);
+    beneath[r] = under;
+    crossings[r] = ends[r] * sensor / std::max(sensor + under, 1e-6F);
+  }
+  for (std::size_t r = 0; r < rings; ++r) {
     const int point = kinds[r] == Beam::point ? 1 : 0;
     const int ended = point | (kinds[r] == Beam::none ? 1 : 0);
     const int thing = point & (grounds[r] == Ground::sure ? 0 : 1);
-    beneath[r] = sign * (level - heights[r]);
     const int beyond = beneath[r] > 0 ? 1 : 0;
-    crossings[r] = ends[r] * sensor / std::max(sensor + beneath[r], 1e-6F);
     marks[r] =
         static_cast<std::uint8_t>(known * ended | hits * point | stands * thing | crosses * (ended & beyond));
   }
@@ -89,7 +92,7 @@ void CutEvidence::add(Visibility::Kind kind, float from, std::size_t first, std:
   std::vector<Piece>& column = strips_[kind].column;
   // A column's pieces begin farther and farther away. Those that overlap are one.
   if (tilted_ || column.empty() || from > column.back().end.at) {
-    column.push_back({from, end, base_ + first, base_ + along, {}});
+    column.push_back({from, end, base_ + first, base_ + along});
   } else if (end.at > column.back().end.at) {
     column.back().end = end;
     column.back().last = base_ + along;
@@ -97,17 +100,17 @@ void CutEvidence::add(Visibility::Kind kind, float from, std::size_t first, std:
 }
 
 /// Places a piece in the frame; false if it has no direction there, as that of a beam straight down.
-bool CutEvidence::place(Piece& piece) const {
-  OutlineBeam& way = piece.way;
+bool CutEvidence::place(const Piece& piece, OutlineBeam& way) const {
+  float ux = 0, uy = 0;
+  if (!direct(piece.last, ux, uy)) return false;
   way.ox = at_.x, way.oy = at_.y;
+  way.ux = ux, way.uy = uy;
   way.from = piece.from;
   way.length = piece.end.at;
   way.hides = piece.end.hides;
-  if (!direct(piece.last, way.ux, way.uy)) return false;
-  way.x = way.ox + way.ux * way.length, way.y = way.oy + way.uy * way.length;
-  float ux = way.ux, uy = way.uy;
-  if (tilted_ && way.from > 0 && piece.first != piece.last && !direct(piece.first, ux, uy)) return false;
-  way.bx = way.ox + ux * way.from, way.by = way.oy + uy * way.from;
+  way.x = at_.x + ux * piece.end.at, way.y = at_.y + uy * piece.end.at;
+  if (tilted_ && piece.from > 0 && piece.first != piece.last && !direct(piece.first, ux, uy)) return false;
+  way.bx = at_.x + ux * piece.from, way.by = at_.y + uy * piece.from;
   return true;
 }
 
@@ -210,15 +213,14 @@ void CutEvidence::end_piece(std::size_t first, std::size_t last, std::size_t nex
 
 bool CutEvidence::are_joined(const Piece& a, const Piece& b, Visibility::Kind kind) const {
   if (tilted_ && kind == Visibility::seen) return a.first % rings_ == b.first % rings_;
-  return a.way.from <= b.way.length && b.way.from <= a.way.length;
+  return a.from <= b.end.at && b.from <= a.end.at;
 }
 
 /// True if the free space of two columns has a straight border.
 bool CutEvidence::is_straight(const Piece& a, const Piece& b, Visibility::Kind kind) const {
-  if (kind != Visibility::seen && !a.way.hides && !b.way.hides) return true;
-  const float near = std::min(a.way.length, b.way.length);
-  if (std::fabs(a.way.length - b.way.length) <= same_border * near) return true;
-  return a.way.hides && b.way.hides && a.last + rings_ == b.last && view_->links().level_at(a.last);
+  if (kind != Visibility::seen && !a.end.hides && !b.end.hides) return true;
+  if (std::fabs(a.end.at - b.end.at) <= same_border * std::min(a.end.at, b.end.at)) return true;
+  return a.end.hides && b.end.hides && a.last + rings_ == b.last && view_->links().level_at(a.last);
 }
 
 void CutEvidence::add_strip(Visibility::Kind kind, std::vector<OutlineBeam>& beams, Outlines::Side begin,
@@ -236,7 +238,7 @@ void CutEvidence::add_strip(Visibility::Kind kind, std::vector<OutlineBeam>& bea
 void CutEvidence::begin_strip(Strips& strips, const Piece& piece, Outlines::Side begin) const {
   if (strips.count == strips.open.size()) strips.open.emplace_back();
   Strip& strip = strips.open[strips.count++];
-  strip.beams.assign(1, piece.way);
+  strip.beams.assign(1, way_);
   strip.next = piece;
   strip.begin = begin;
   strip.goes_on = true;
@@ -249,8 +251,8 @@ void CutEvidence::join_column(Visibility::Kind kind) {
   Strips& strips = strips_[kind];
   const std::size_t before = strips.count;
   for (std::size_t s = 0; s < before; ++s) strips.open[s].goes_on = strips.open[s].has_branch = false;
-  for (Piece& piece : strips.column) {
-    if (!place(piece)) continue;
+  for (const Piece& piece : strips.column) {
+    if (!place(piece, way_)) continue;
     bool has_strip = false, is_branch = false;
     for (std::size_t s = 0; s < before; ++s) {
       Strip& strip = strips.open[s];
@@ -258,11 +260,11 @@ void CutEvidence::join_column(Visibility::Kind kind) {
       const bool straight = is_straight(strip.newest, piece, kind);
       if (!strip.goes_on && !has_strip) {
         strip.beams.back().to_next = straight;
-        strip.beams.push_back(piece.way);
+        strip.beams.push_back(way_);
         strip.next = piece;
         strip.goes_on = has_strip = true;
       } else {
-        pair_.assign({strip.newest.way, piece.way});
+        pair_.assign({strip.beams.rbegin()[strip.goes_on ? 1 : 0], way_});
         pair_.front().to_next = straight;
         add_strip(kind, pair_, Outlines::Side::joined, Outlines::Side::joined);
         strip.has_branch = is_branch = true;
@@ -275,7 +277,9 @@ void CutEvidence::join_column(Visibility::Kind kind) {
 }
 
 void CutEvidence::join_column() {
-  for (const Visibility::Kind kind : every_kind) join_column(kind);
+  for (const Visibility::Kind kind : every_kind) {
+    if (strips_[kind].count > 0 || !strips_[kind].column.empty()) join_column(kind);
+  }
 }
 
 /// Ends the strips that do not go on in the current column.

@@ -50,7 +50,6 @@ class CutEvidence {
     float from;  // m, level
     End end;
     std::size_t first, last;  // the beams that begin and end it, RingGrid::index()
-    OutlineBeam way;          // the same in the frame, as soon as it is placed
   };
   /// Pieces of neighbouring columns with one outline.
   struct Strip {
@@ -82,7 +81,7 @@ class CutEvidence {
   End end_at(std::size_t ring) const;
   End thing_at(std::size_t last, std::size_t next) const;
   void add(Visibility::Kind kind, float from, std::size_t first, std::size_t along, End end);
-  bool place(Piece& piece) const;
+  bool place(const Piece& piece, OutlineBeam& way) const;
   bool direct(std::size_t beam, float& ux, float& uy) const;
   void add_blind(std::size_t lowest);
   float wall_in_band() const;
@@ -126,6 +125,7 @@ class CutEvidence {
 
   std::array<Strips, Visibility::kinds> strips_;
   Outlines::Side side_ = Outlines::Side::open;  // of strips that begin in the current column
+  OutlineBeam way_;                             // of the current piece
   std::vector<OutlineBeam> pair_;
 };
 
