@@ -55,6 +55,7 @@ void Crossings::count(const Outlines& outlines, const Raster& raster) {
   // Per beam by how many more edges it crosses than the beam before.
   ends_.assign(beams + 2, 0);
   for (const Outlines::Edge& edge : outlines.edges) {
+    if (edge.beyond) continue;
     each_stretch(edge, raster, [this](std::uint32_t first, std::uint32_t end, bool) {
       ++ends_[first + 1];
       --ends_[end + 1];
@@ -69,7 +70,9 @@ void Crossings::count(const Outlines& outlines, const Raster& raster) {
   resize_amply(all, crossings_);
 }
 
-void Crossings::find(const Outlines& outlines, const Raster& raster) {
+void Crossings::find(const Outlines& outlines, const Raster& raster, std::size_t sources) {
+  sources_ = sources;
+  at_origin_.assign(raster.grid().beams * sources, {});
   find_beams(outlines, raster);
   count(outlines, raster);
   for (std::uint32_t e = 0; e < outlines.edges.size(); ++e) {
@@ -89,6 +92,12 @@ inline void Crossings::cross(const Outlines& outlines, std::uint32_t e, std::uin
   const int sign = clockwise ? -1 : 1;
   Crossing crossing{0, e, edge.source, static_cast<std::int8_t>(sign * edge.free),
                     static_cast<std::int8_t>(sign * edge.hidden)};
+  for (std::uint32_t beam = first; beam < end; ++beam) {
+    Layers& layers = at_origin_[beam * sources_ + edge.source];
+    layers.free = static_cast<std::int16_t>(layers.free - crossing.free);
+    layers.hidden = static_cast<std::int16_t>(layers.hidden - crossing.hidden);
+  }
+  if (edge.beyond) return;
   for (std::uint32_t beam = first; beam < end; ++beam) {
     const float c = raster.cosine(beam), s = raster.sine(beam);
     const float side_p = c * py - s * px, side_q = c * qy - s * qx;

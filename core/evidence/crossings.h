@@ -27,7 +27,7 @@ class Crossings {
     std::int8_t free;      ///< change of the number of free layers on the way outward
     std::int8_t hidden;    ///< the same of hidden layers
   };
-  /// The crossings of one beam, by distance.
+  /// The crossings of one beam within all ranges, by distance.
   struct Range {
     const Crossing* first;
     const Crossing* last;
@@ -35,8 +35,16 @@ class Crossings {
     const Crossing* end() const { return last; }
   };
 
-  /// Finds the crossings of all beams.
-  void find(const Outlines& outlines, const Raster& raster);
+  /// Layers of free and of hidden space.
+  struct Layers {
+    std::int16_t free = 0, hidden = 0;
+  };
+
+  /// Finds the crossings of all beams with the outlines of so many sources.
+  void find(const Outlines& outlines, const Raster& raster, std::size_t sources);
+  /// The layers of every source at the origin. Outlines are closed, so these are the layers that all edges
+  /// together lead out of.
+  const Layers* at_origin(std::size_t beam) const { return at_origin_.data() + beam * sources_; }
   Range of(std::size_t beam) const {
     return {crossings_.data() + ends_[beam], crossings_.data() + ends_[beam + 1]};
   }
@@ -54,6 +62,8 @@ class Crossings {
   std::vector<std::uint32_t> beams_;  // rounded up, at most the number of beams
   std::vector<std::uint32_t> ends_;   // in crossings_: the end of the crossings of the beam before
   std::vector<Crossing> crossings_;
+  std::size_t sources_ = 0;
+  std::vector<Layers> at_origin_;  // by beam and source
 };
 
 }  // namespace lidard

@@ -344,7 +344,7 @@ void Outlines::add_far_side(std::size_t first, std::size_t last) {
     const bool turned = at(before).ux * at(k).ux + at(before).uy * at(k).uy < far_step;
     if (!turned && k < last) continue;
     const std::uint32_t next = far(at(k));
-    add_edge(vertex, next, 0, -1);
+    add_edge(vertex, next, 0, -1).beyond = true;
     vertex = next;
     before = k;
   }

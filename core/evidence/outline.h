@@ -37,6 +37,7 @@ class Outlines {
     std::int8_t hidden = 0;  ///< the same of hidden layers
     /// The end of the edge that lies at the return which hides; none: all of the edge does.
     enum Near : std::uint8_t { both, at_from, at_to } near = both;
+    bool beyond = false;  ///< it lies beyond all ranges
   };
 
   static constexpr std::uint32_t none = 0xFFFFFFFF;

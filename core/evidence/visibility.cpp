@@ -9,6 +9,7 @@ namespace lidard {
 namespace {
 
 constexpr float infinite = std::numeric_limits<float>::infinity();
+constexpr std::uint16_t no_outline = 0xFFFF;
 // m; between outlines that touch, rounding leaves shorter stretches that are none.
 constexpr float rounding = 0.003F;
 
@@ -21,8 +22,7 @@ Visibility::Visibility(const ScanGrid& grid, const VisibilitySettings& settings,
       sweep_kinds_(sources, seen),
       range_max_(static_cast<float>(grid.range_max)),
       approach_(static_cast<float>(std::max(settings.approach, 5 * settings.noise))),
-      kind_of_(sources * kinds + 2, seen),
-      layers_(kind_of_.size()),
+      outline_of_(sources * kinds, no_outline),
       states_(grid.beams, BeamState::unobserved),
       covered_(grid.beams, 0),
       body_at_(grid.beams, infinite),
@@ -30,7 +30,6 @@ Visibility::Visibility(const ScanGrid& grid, const VisibilitySettings& settings,
       from_behind_(grid.beams, 0) {
   const double asked = settings_.free_required > 0 ? settings_.free_required : grid.range_max;
   open_ = std::min(static_cast<float>(asked), range_max_);
-  for (std::size_t s = 0; s < sources * kinds; ++s) kind_of_[s] = static_cast<Kind>(s % kinds);
   begin();
 }
 
@@ -40,6 +39,8 @@ void Visibility::begin() {
   nearest_.clear(beams());
   mixed_pixels_.clear(beams());
   outlines_.clear();
+  std::fill(outline_of_.begin(), outline_of_.end(), no_outline);
+  kind_of_.clear();
   has_columns_ = true;
   column_ = 0;
 }
@@ -50,7 +51,12 @@ Outlines& Visibility::outlines(std::size_t source, Kind kind, double step, doubl
   // Beyond all ranges, as seen from every position that the source looks from.
   const double reach = 4 * (raster_.grid().range_max + distance);
   if (has_columns_) column_ = std::max(column_, static_cast<float>(step));
-  outlines_.set_source(source * kinds + kind, static_cast<float>(passed), static_cast<float>(reach));
+  std::uint16_t& outline = outline_of_[source * kinds + kind];
+  if (outline == no_outline) {
+    outline = static_cast<std::uint16_t>(kind_of_.size());
+    kind_of_.push_back(kind);
+  }
+  outlines_.set_source(outline, static_cast<float>(passed), static_cast<float>(reach));
   return outlines_;
 }
 
@@ -69,11 +75,16 @@ void Visibility::compute(const std::vector<const PlacedScan*>& sweeps) {
 }
 
 void Visibility::compute() {
-  const std::size_t vehicle = kind_of_.size() - 2;
-  outlines_.add_polygon(vehicle, body_);
-  if (former_from_now_) outlines_.add_polygon(vehicle + 1, body_.transformed(former_from_now_->inverse()));
-  crossings_.find(outlines_, raster_);
+  add_vehicle(body_);
+  if (former_from_now_) add_vehicle(body_.transformed(former_from_now_->inverse()));
+  crossings_.find(outlines_, raster_, kind_of_.size());
+  layers_.resize(kind_of_.size());
   for (std::size_t beam = 0; beam < beams(); ++beam) states_[beam] = decide(beam);
+}
+
+void Visibility::add_vehicle(const Footprint& body) {
+  outlines_.add_polygon(kind_of_.size(), body);
+  kind_of_.push_back(seen);
 }
 
 /// m from the return that hides what lies behind an edge to where the beam crosses the edge.
@@ -86,17 +97,13 @@ float Visibility::behind(std::size_t beam, const Crossings::Crossing& crossing) 
                     at * raster_.sine(beam) - outlines_.y[near]);
 }
 
-/// Outlines are closed, so the layers at the origin are those that the crossings lead out of.
 void Visibility::begin_walk(Walk& walk) {
-  for (Layers& layers : layers_) layers = {0, 0, infinite};
-  for (const Crossings::Crossing& crossing : crossings_.of(walk.beam)) {
-    Layers& layers = layers_[crossing.source];
-    layers.free -= crossing.free;
-    layers.hidden -= crossing.hidden;
-  }
+  const Crossings::Layers* const at_origin = crossings_.at_origin(walk.beam);
   for (std::size_t s = 0; s < layers_.size(); ++s) {
-    walk.free[kind_of(s)] += layers_[s].free > 0 ? 1 : 0;
-    walk.hidden += layers_[s].hidden > 0 ? 1 : 0;
+    const int free = at_origin[s].free, hidden = at_origin[s].hidden;
+    layers_[s] = {free, hidden, infinite};
+    walk.free[kind_of_[s]] += free > 0 ? 1 : 0;
+    walk.hidden += hidden > 0 ? 1 : 0;
   }
 }
 
@@ -109,7 +116,7 @@ void Visibility::cross(Walk& walk, const Crossings::Crossing& crossing) {
   if (is_hidden && !was_hidden) layers.behind = behind(walk.beam, crossing);
   walk.hidden += is_hidden == was_hidden ? 0 : is_hidden ? 1 : -1;
   if (is_free == was_free) return;
-  walk.free[kind_of(crossing.source)] += is_free ? 1 : -1;
+  walk.free[kind_of_[crossing.source]] += is_free ? 1 : -1;
   if (was_any && !walk.is_free()) walk.stretch = {crossing.at, infinite, infinite};
   if (!was_any && walk.is_free()) end_unseen(walk, crossing.at);
 }

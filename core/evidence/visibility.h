@@ -112,7 +112,7 @@ class Visibility {
     bool is_front() const { return free[seen] == 0 && free[front] > 0; }
   };
   bool has_hit(std::size_t beam) const { return nearest_.range[beam] <= range_max_; }
-  Kind kind_of(std::size_t source) const { return kind_of_[source]; }
+  void add_vehicle(const Footprint& body);
   BeamState decide(std::size_t beam);
   void begin_walk(Walk& walk);
   void cross(Walk& walk, const Crossings::Crossing& crossing);
@@ -136,8 +136,9 @@ class Visibility {
   Crossings crossings_;
   RangeLayer nearest_;
   RangeLayer mixed_pixels_;
-  std::vector<Kind> kind_of_;   // of the outlines' sources: those of every kind, the vehicle now and then
-  std::vector<Layers> layers_;  // of the same
+  std::vector<std::uint16_t> outline_of_;  // by source and kind: of those that there are
+  std::vector<Kind> kind_of_;              // of the outlines, the vehicle's last
+  std::vector<Layers> layers_;             // of the same
   std::vector<BeamState> states_;
   std::vector<float> covered_;
   std::vector<float> body_at_;   // m to where the way leads into the space behind a return; infinite: nowhere
