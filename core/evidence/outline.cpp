@@ -76,7 +76,7 @@ void Outlines::add_sweep(const BeamRays& rays, const PlacedScan& sweep) {
       continue;
     }
     std::size_t end = k + 1;
-    while (end < start + n && (end % n != 0 || closes) && joins(end - 1, end)) ++end;
+    while (end < start + n && (end != n || closes) && joins(end - 1, end)) ++end;
     add_run(k, end, false, 0.5F, 0.5F);
     k = end;
   }
@@ -206,8 +206,8 @@ void Outlines::add_run(std::size_t first, std::size_t end, bool closed, float be
   const std::size_t links = chain_.size();
   if (links < 2) return;
   for (std::size_t i = 0; i + (closed ? 0 : 1) < links; ++i) {
-    Edge& edge = add_edge(chain_[i].vertex, chain_[(i + 1) % links].vertex, -1, chain_[i].hides ? 1 : 0);
-    edge.near = chain_[i].near;
+    const Link& here = chain_[i];
+    add_edge(here.vertex, link(i + 1).vertex, -1, here.hides ? 1 : 0).near = here.near;
   }
   add_inner_side(first, end, closed);
   add_hidden(closed);
@@ -320,12 +320,12 @@ void Outlines::add_hidden(bool closed) {
     if (start == links) return add_far_side(0, links);
   }
   for (std::size_t k = start; k < start + count;) {
-    if (!chain_[k % links].hides) {
+    if (!link(k).hides) {
       ++k;
       continue;
     }
     std::size_t end = k;
-    while (end < start + count && chain_[end % links].hides) ++end;
+    while (end < start + count && link(end).hides) ++end;
     add_far_side(k, end);
     k = end;
   }
@@ -336,19 +336,18 @@ void Outlines::add_far_side(std::size_t first, std::size_t last) {
   const auto far = [this](const Link& link) {
     return add_vertex(x[link.vertex] + link.ux * reach_, y[link.vertex] + link.uy * reach_);
   };
-  const auto at = [this](std::size_t k) -> const Link& { return chain_[k % chain_.size()]; };
-  std::uint32_t vertex = far(at(first));
-  add_edge(at(first).vertex, vertex, 0, -1).near = Edge::at_from;
+  std::uint32_t vertex = far(link(first));
+  add_edge(link(first).vertex, vertex, 0, -1).near = Edge::at_from;
   std::size_t before = first;
   for (std::size_t k = first + 1; k <= last; ++k) {
-    const bool turned = at(before).ux * at(k).ux + at(before).uy * at(k).uy < far_step;
+    const bool turned = link(before).ux * link(k).ux + link(before).uy * link(k).uy < far_step;
     if (!turned && k < last) continue;
-    const std::uint32_t next = far(at(k));
+    const std::uint32_t next = far(link(k));
     add_edge(vertex, next, 0, -1).beyond = true;
     vertex = next;
     before = k;
   }
-  add_edge(vertex, at(last).vertex, 0, -1).near = Edge::at_to;
+  add_edge(vertex, link(last).vertex, 0, -1).near = Edge::at_to;
 }
 
 }  // namespace lidard

@@ -92,6 +92,8 @@ class Outlines {
   /// Beam k, counted counter-clockwise and on beyond a full circle.
   Beam& beam(std::size_t k) { return beams_[k < beams_.size() ? k : k - beams_.size()]; }
   const Beam& beam(std::size_t k) const { return beams_[k < beams_.size() ? k : k - beams_.size()]; }
+  /// Link k of the chain, which may count on beyond its end.
+  const Link& link(std::size_t k) const { return chain_[k < chain_.size() ? k : k - chain_.size()]; }
   bool joins(std::size_t a, std::size_t b) const;
   bool closes_circle() const;
   void add_run(std::size_t first, std::size_t end, bool closed, float begin_share, float end_share);
