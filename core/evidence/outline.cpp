@@ -61,7 +61,7 @@ void Outlines::add_sweep(const BeamRays& rays, const PlacedScan& sweep) {
   step_ = static_cast<float>(std::fabs(rays.increment));
   moved_ = sweep.moved;
   read_beams(rays, sweep);
-  const std::size_t n = beams_.size();
+  const std::size_t n = count_;
   const bool closes = closes_circle();
   // A full circle is read from a break on.
   std::size_t start = 0;
@@ -85,37 +85,40 @@ void Outlines::add_sweep(const BeamRays& rays, const PlacedScan& sweep) {
 void Outlines::add_strip(std::vector<Beam>& beams, float step, Side begin, Side end) {
   step_ = step;
   moved_ = true;
-  beams_.swap(beams);
-  drop_needless_beams();
+  drop_needless_beams(beams);
+  beams_ = beams.data();
+  count_ = beams.size();
   const auto share = [this](Side side) { return side == Side::open ? passed_share_ : 0; };
-  add_run(0, beams_.size(), false, share(begin), share(end));
+  add_run(0, count_, false, share(begin), share(end));
 }
 
-/// Drops beams within an open border, whose neighbours tell the same.
-void Outlines::drop_needless_beams() {
-  const auto same = [this](std::size_t kept, std::size_t k) {
-    const Beam &p = beams_[kept], &b = beams_[k];
+/// Drops beams within an open border, whose neighbours show the same.
+void Outlines::drop_needless_beams(std::vector<Beam>& beams) const {
+  const auto same = [&beams](std::size_t kept, std::size_t k) {
+    const Beam &p = beams[kept], &b = beams[k];
     return p.to_next && !p.hides && !b.hides && std::fabs(p.length - b.length) <= same_border * p.length &&
            std::fabs(p.from - b.from) <= same_border * p.from;
   };
-  const std::size_t n = beams_.size();
+  const std::size_t n = beams.size();
   // The ends of the strip are as wide as the step to their neighbours.
   if (n < 5) return;
   std::size_t kept = 1;
   float since = 0;  // rad
   for (std::size_t k = 2; k < n; ++k) {
     since += step_;
-    if (since < border_step && k + 2 < n && beams_[k].to_next && same(kept, k) && same(kept, k + 1)) continue;
-    beams_[++kept] = beams_[k];
+    if (since < border_step && k + 2 < n && beams[k].to_next && same(kept, k) && same(kept, k + 1)) continue;
+    beams[++kept] = beams[k];
     since = 0;
   }
-  beams_.resize(kept + 1);
+  beams.resize(kept + 1);
 }
 
 void Outlines::read_beams(const BeamRays& rays, const PlacedScan& sweep) {
   const std::size_t n = sweep.kind.size();
   const bool clockwise = (rays.increment < 0) != (rays.pose.linear()(2, 2) < 0);
-  beams_.resize(n);
+  sweep_.resize(n);
+  beams_ = sweep_.data();
+  count_ = n;
   for (std::size_t k = 0; k < n; ++k) {
     const std::size_t i = clockwise ? n - 1 - k : k;
     place_beam(rays, sweep, i, reach_, beams_[k]);
@@ -183,7 +186,7 @@ bool Outlines::joins(std::size_t a, std::size_t b) const {
 /// The last beam of a full circle is the neighbour of the first one while the vehicle stands; otherwise a
 /// whole sweep lies between them.
 bool Outlines::closes_circle() const {
-  const std::size_t n = beams_.size();
+  const std::size_t n = count_;
   if (n < 3 || moved_) return false;
   const auto turn = [this](std::size_t a, std::size_t b) {
     return beam(a).ux * beam(b).uy - beam(a).uy * beam(b).ux;

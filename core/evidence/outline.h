@@ -61,11 +61,12 @@ class Outlines {
   /// Sets the share of the angle between a near return and a beam that passes it which counts as passed, and
   /// m beyond all ranges of the output as seen from every source.
   void set_source(std::size_t source, float passed_share, float reach);
+  std::size_t source() const { return source_; }
   /// Adds the outline of a sweep.
   void add_sweep(const BeamRays& rays, const PlacedScan& sweep);
   /// Adds the outline of beams in counter-clockwise order, neighbours all. An `open` side extends by the
   /// passed share of a step, a `joined` one ends in the beam.
-  /// The list's content is lost.
+  /// Drops beams of the list that add nothing.
   void add_strip(std::vector<Beam>& beams, float step, Side begin, Side end);
   /// Adds a polygon that is free inside: the vehicle.
   void add_polygon(std::size_t source, const Footprint& polygon);
@@ -85,13 +86,12 @@ class Outlines {
 
   std::uint32_t add_vertex(float at_x, float at_y);
   Edge& add_edge(std::uint32_t from, std::uint32_t to, int free, int hidden);
-  void drop_needless_beams();
+  void drop_needless_beams(std::vector<Beam>& beams) const;
   void read_beams(const BeamRays& rays, const PlacedScan& sweep);
   static void place_beam(const BeamRays& rays, const PlacedScan& sweep, std::size_t i, float reach,
                          Beam& beam);
   /// Beam k, counted counter-clockwise and on beyond a full circle.
-  Beam& beam(std::size_t k) { return beams_[k < beams_.size() ? k : k - beams_.size()]; }
-  const Beam& beam(std::size_t k) const { return beams_[k < beams_.size() ? k : k - beams_.size()]; }
+  Beam& beam(std::size_t k) const { return beams_[k < count_ ? k : k - count_]; }
   /// Link k of the chain, which may count on beyond its end.
   const Link& link(std::size_t k) const { return chain_[k < chain_.size() ? k : k - chain_.size()]; }
   bool joins(std::size_t a, std::size_t b) const;
@@ -113,7 +113,9 @@ class Outlines {
   float passed_share_ = 0, reach_ = 0;
   float step_ = 0;           // rad between beams
   bool moved_ = false;       // the beams began in different positions
-  std::vector<Beam> beams_;  // of the sweep
+  std::vector<Beam> sweep_;  // the beams of a sweep
+  Beam* beams_ = nullptr;    // of the sweep or strip
+  std::size_t count_ = 0;
   std::vector<Link> chain_;  // the outer side of the current run
 };
 

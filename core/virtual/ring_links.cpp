@@ -78,6 +78,17 @@ void RingLinks::find_lone_returns() {
     if (!(lengths[after] > beyond)) after = grid_->index(grid_->after(grid_->after(column)), ring);
     lone_returns_.push_back({i, lengths[before] < lengths[after] ? before : after});
   });
+  // A beam that goes on farther may meet a lone return there.
+  for (LoneReturn& one : lone_returns_) {
+    for (const LoneReturn* beside = &one; beside != nullptr; beside = lone_return(one.shown_by))
+      one.shown_by = beside->shown_by;
+  }
+}
+
+const RingLinks::LoneReturn* RingLinks::lone_return(std::size_t i) const {
+  const auto is_before = [](const LoneReturn& one, std::size_t beam) { return one.beam < beam; };
+  const auto at = std::lower_bound(lone_returns_.begin(), lone_returns_.end(), i, is_before);
+  return at != lone_returns_.end() && at->beam == i ? &*at : nullptr;
 }
 
 bool RingLinks::in_line(std::size_t a, std::size_t b, std::size_t c) const {

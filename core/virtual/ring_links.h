@@ -58,6 +58,7 @@ class RingLinks {
   bool grazing(std::size_t a, std::size_t b, std::size_t c, std::size_t d) const;
   void find_lone_returns();
   void mark_lone_in_ring();
+  const LoneReturn* lone_return(std::size_t i) const;
   std::size_t before(std::size_t column) const { return column > 0 ? column - 1 : grid_->columns() - 1; }
 
   const RingGrid* grid_ = nullptr;

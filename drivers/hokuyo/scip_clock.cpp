@@ -202,9 +202,11 @@ Stamp ScipClock::begin_of(const Sweep& sweep, std::int64_t& skipped) {
     clock_.observe(sent_at(read, sweep), sweep.arrival);
     const Stamp middle = clock_.to_host(read + Span(ms / 2) + sweep.until_sent);
     learn_delay(sweep.arrival);
-    const Stamp end = delay_             ? middle - Span(*delay_)
-                      : clock_.is_held() ? middle
-                                         : std::min(middle, sweep.arrival);
+    Stamp end = middle;
+    if (delay_)
+      end = middle - Span(*delay_);
+    else if (!clock_.is_held())
+      end = std::min(middle, sweep.arrival);
     return as_compared(end - sweep.until_sent, read, sweep);
   } else {
     begin = begin_by_line(sweep, read);

@@ -26,10 +26,11 @@ using test::outline::Piece;
 struct Scene {
   explicit Scene(std::uint64_t seed) : lidar(seed), grid(RingGridSettings{40, false}) {}
 
-  void look(double above, HeightBand band = {0, 0}) {
+  void look(double above, HeightBand band = {0, 0}) { look_at(lidar.cloud(), above, band); }
+  void look_at(const Cloud& seen, double above, HeightBand band = {0, 0}) {
     GroundSettings settings;
     settings.model = GroundModel::plane;
-    cloud = lidar.cloud();
+    cloud = seen;
     EXPECT_TRUE(grid.organise(cloud));
     // The lidar is 2 m above the ground.
     find_ground(grid, settings, make_pose({0, 0, 2}, {0, 0, 0}), ground);
@@ -48,7 +49,8 @@ struct Scene {
   std::vector<Piece> pieces(std::size_t column, Visibility::Kind kind) {
     // A little aside, so that no vertex lies in that direction.
     const double angle = -lidar.azimuth(column) + 0.001 * grid.step();
-    return free_pieces(visibility.outlines(0, kind, grid.step(), 0), kind, {0, 0}, angle);
+    const Outlines& outlines = visibility.outlines(0, kind, grid.step(), 0);
+    return free_pieces(outlines, outlines.source(), {0, 0}, angle);
   }
 
   SmallLidar lidar;
@@ -288,6 +290,44 @@ TEST(BandEdges, AReturnThatStandsAloneCountsIfItIsInTheBand) {
     EXPECT_EQ(all, inside ? 45U : 0U) << "each in one beam";
     for (std::size_t column = 0; column < 360; column += 8) {
       EXPECT_EQ(alone.drawn(column).from < 9, inside) << column;
+    }
+  }
+}
+
+/// What a lidar sees in a square of walls.
+Cloud walled(const std::vector<double>& elevations) {
+  sim::Yard yard;
+  for (const double side : {-8.0, 8.0}) {
+    yard.objects.push_back(test::cut::wall(side, -8, side, 8, 20));
+    yard.objects.push_back(test::cut::wall(-8, side, 8, side, 20));
+  }
+  sim::YardLidar lidar = test::cut::lidar16();
+  lidar.elevations = elevations;
+  return test::cut::seen(yard, lidar);
+}
+
+TEST(CutEvidence, DrawsAWallThatManyRingsMeetOnce) {
+  Scene scene(1);
+  const Cloud cloud = walled(sim::even_rings(16, -15, 15));
+  for (double above = 1.8; above > -3; above -= 0.3) {
+    scene.look_at(cloud, above);
+    EXPECT_LT(scene.visibility.outlines(0, Visibility::seen, 1, 0).edges.size(), 4 * scene.grid.columns())
+        << above;
+  }
+}
+
+TEST(CutEvidence, EndsWithinReachWhateverThePlane) {
+  Scene scene(1);
+  for (const auto& elevations : {sim::even_rings(16, -15, 15), sim::even_rings(16, -30, -2),
+                                 sim::even_rings(10, -90, 0), sim::even_rings(10, 0, 90)}) {
+    const Cloud cloud = walled(elevations);
+    for (const double above : {2.0, 0.5, 1e-3, 1e-6, 0.0, -1e-6, -0.5}) {
+      for (const HeightBand band : {HeightBand{0, 0}, HeightBand{-above - 1, 1.0 - above}}) {
+        scene.look_at(cloud, above, band);
+        const Outlines& outlines = scene.visibility.outlines(0, Visibility::seen, 1, 0);
+        for (std::size_t i = 0; i < outlines.x.size(); ++i)
+          ASSERT_LT(std::hypot(outlines.x[i], outlines.y[i]), 1000) << above << ' ' << i;
+      }
     }
   }
 }

@@ -150,5 +150,28 @@ TEST(ConfigSources, RefusesATopicTakenForBothKinds) {
             "expected a topic to be one or the other");
 }
 
+TEST(MergedScanConfig, AsksWhichSourceMustSeeAFreeBeamWhereHeightsDiffer) {
+  const std::string sensors =
+      "sensors:\n"
+      "  low: {model: sick_microscan3, pose: {xyz: [0, 1, 0.2]}}\n"
+      "  high: {model: sick_lms5xx, ip_address: 10.0.0.2, pose: {xyz: [0, -1, 0.6]}}\n"
+      "vehicle: {footprint: [[-1, -1], [1, -1], [0, 1]]}\n"
+      "merged_scans: {m: {laserscan_topics: [low, high], profile: strict, range_max: 30";
+  const Config open = parse_config(sensors + "}}", "f");
+  ASSERT_EQ(open.warnings.size(), 1U);
+  EXPECT_THAT(open.warnings[0], HasSubstr("0.20 to 0.60 m high"));
+  const Config answered = parse_config(sensors + ", free_requires: low}}", "f");
+  EXPECT_TRUE(answered.warnings.empty());
+  const MergedScanConfig& m = answered.merged_scans[0];
+  EXPECT_EQ(m.free_requires, std::vector<std::string>{"low"});
+  EXPECT_FALSE(m.source_settings.at("high").proves_free);
+  const auto low = m.source_settings.find("low");
+  EXPECT_TRUE(low == m.source_settings.end() || low->second.proves_free);
+  EXPECT_EQ(
+      merged_error("laserscan_topics: rear, free_requires: [rear, front]"),
+      "f:7:53: merged_scans.m.free_requires[1] is \"front\", which is no source of it; expected sources of "
+      "it: rear");
+}
+
 }  // namespace
 }  // namespace lidard
