@@ -113,6 +113,7 @@ inline void Crossings::cross(const Outlines& outlines, std::uint32_t e, std::uin
 
 /// Sorts the crossings of a beam by distance.
 void Crossings::sort(Crossing* first, Crossing* last) {
+  if (last - first < 2) return;
   constexpr std::ptrdiff_t few = 32;
   if (last - first > few) {
     std::sort(first, last, [](const Crossing& a, const Crossing& b) { return a.at < b.at; });

@@ -9,6 +9,7 @@ namespace lidard {
 namespace {
 
 constexpr float infinite = std::numeric_limits<float>::infinity();
+constexpr double passed_columns = 0.1;  // share of a step
 constexpr std::uint16_t no_outline = 0xFFFF;
 // m; between outlines that touch, rounding leaves shorter stretches that are none.
 constexpr float rounding = 0.003F;
@@ -46,8 +47,9 @@ void Visibility::begin() {
 }
 
 Outlines& Visibility::outlines(std::size_t source, Kind kind, double step, double distance) {
-  // An object ends at least a quarter of an output's beam before a beam that passes it.
-  const double passed = std::min(0.5, raster_.grid().increment / 4 / step);
+  // An object ends at least a quarter of an output's beam before a beam that passes it. Near its origin a
+  // virtual scan is finer than the columns.
+  const double passed = std::min(has_columns_ ? passed_columns : 0.5, raster_.grid().increment / 4 / step);
   // Beyond all ranges, as seen from every position that the source looks from.
   const double reach = 4 * (raster_.grid().range_max + distance);
   if (has_columns_) column_ = std::max(column_, static_cast<float>(step));

@@ -237,8 +237,8 @@ PlaneTops::Shape PlaneTops::shape_of(const PlaneView& view, std::size_t ring, co
   const Eigen::Matrix3d inverse = normal.inverse();
   const double bend = inverse.row(2).dot(sum), face = static_cast<double>(run.nearest) / 2;
   const double error = std::sqrt(inverse(2, 2)) * static_cast<double>(view.links().noise());
-  if (bend + 3 * error < face) return Shape::top;
-  return bend > face / 2 ? Shape::face : Shape::top_or_face;
+  if (bend > face / 2) return Shape::face;
+  return bend + 3 * error < face ? Shape::top : Shape::top_or_face;
 }
 
 void PlaneTops::judge(const PlaneView& view, std::size_t ring, const Run& run) {

@@ -12,7 +12,8 @@ namespace {
 using Point = Eigen::Vector2d;
 
 constexpr double widest_step = 0.2;  // rad; beams farther apart are no neighbours
-constexpr double step = 0.005;       // m along a beam
+constexpr double step = 0.003;       // m along a beam; shorter stretches are rounding
+constexpr double nearest = 0.005;    // m; a surface at the output's origin is in no direction
 constexpr double touch = 1e-9;       // m; wedges that share a beam leave nothing between them
 
 double cross(const Point& a, const Point& b) { return a.x() * b.y() - a.y() * b.x(); }
@@ -95,7 +96,8 @@ struct SlowRule::Scene {
       const Point a0 = at(right, right.from), b0 = at(left, left.from);
       wedges.push_back({a0, right.ray, at(right, std::max(right.to, right.from)), b0, left.ray,
                         at(left, std::max(left.to, left.from)), hides, doubtful,
-                        cross(right.ray, b0 - a0) > touch});
+                        // Beams that cross each other begin where they do.
+                        cross(right.ray, b0 - a0) > touch && cross(left.ray, b0 - a0) > touch});
     }
 
     void add_pair(Beam a, Beam b, bool linked, double passed, bool doubtful) {
@@ -285,7 +287,7 @@ SlowAnswer SlowRule::answer(std::size_t beam) {
   const double angle = scene.grid.angle(beam), range = scene.nearest_surface(angle),
                most = scene.grid.range_max;
   const bool has_hit = range <= most;
-  SlowAnswer answer{{}, true, 0.01};
+  SlowAnswer answer{{}, range > nearest, 0.01};
   for (const double turn : {-1e-4, 1e-4}) {
     const double beside = scene.nearest_surface(angle + turn),
                  change = has_hit ? std::fabs(beside - range) : 0;
