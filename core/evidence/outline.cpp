@@ -88,7 +88,9 @@ void Outlines::add_strip(std::vector<Beam>& beams, float step, Side begin, Side 
   drop_needless_beams(beams);
   beams_ = beams.data();
   count_ = beams.size();
-  const auto share = [this](Side side) { return side == Side::open ? passed_share_ : 0; };
+  const auto share = [this](Side side) {
+    return side == Side::unknown ? 0.5F : side == Side::other ? passed_share_ : 0;
+  };
   add_run(0, count_, false, share(begin), share(end));
 }
 

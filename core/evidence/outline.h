@@ -54,8 +54,9 @@ class Outlines {
     const PlacedScan::Point* corner = nullptr;  ///< the straight way bends there
     std::uint32_t vertex = none;                ///< at its end, as soon as there is one
   };
-  /// What the first or last beam of a strip borders on.
-  enum class Side : std::uint8_t { open, joined };
+  /// What the first or last beam of a strip borders on: beams that nobody fired, beams that see something
+  /// else, or the strip that goes on there.
+  enum class Side : std::uint8_t { unknown, other, joined };
 
   void clear();
   /// Sets the share of the angle between a near return and a beam that passes it which counts as passed, and
@@ -64,8 +65,8 @@ class Outlines {
   std::size_t source() const { return source_; }
   /// Adds the outline of a sweep.
   void add_sweep(const BeamRays& rays, const PlacedScan& sweep);
-  /// Adds the outline of beams in counter-clockwise order, neighbours all. An `open` side extends by the
-  /// passed share of a step, a `joined` one ends in the beam.
+  /// Adds the outline of beams in counter-clockwise order, neighbours all. It extends by half a step on an
+  /// `unknown` side, by the passed share of a step on an `other` one, and ends in the beam on a `joined` one.
   /// Drops beams of the list that add nothing.
   void add_strip(std::vector<Beam>& beams, float step, Side begin, Side end);
   /// Adds a polygon that is free inside: the vehicle.

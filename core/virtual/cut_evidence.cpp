@@ -270,7 +270,7 @@ void CutEvidence::join_column(Visibility::Kind kind) {
         strip.has_branch = is_branch = true;
       }
     }
-    if (!has_strip) begin_strip(strips, piece, is_branch ? Outlines::Side::joined : side_);
+    if (!has_strip) begin_strip(strips, piece, is_branch ? Outlines::Side::joined : begin_side_);
   }
   strips.column.clear();
   end_strips(kind);
@@ -289,8 +289,7 @@ void CutEvidence::end_strips(Visibility::Kind kind) {
   for (std::size_t s = 0; s < strips.count; ++s) {
     Strip& strip = strips.open[s];
     if (!strip.goes_on) {
-      add_strip(kind, strip.beams, strip.begin,
-                strip.has_branch ? Outlines::Side::joined : Outlines::Side::open);
+      add_strip(kind, strip.beams, strip.begin, strip.has_branch ? Outlines::Side::joined : end_side_);
       continue;
     }
     strip.newest = strip.next;
@@ -302,7 +301,8 @@ void CutEvidence::end_strips(Visibility::Kind kind) {
 
 /// The first column follows the last one, and ends what has come round to it.
 void CutEvidence::close_circle() {
-  side_ = Outlines::Side::joined;
+  begin_side_ = Outlines::Side::joined;
+  end_side_ = Outlines::Side::other;
   lone_ = view_->links().lone_returns().data();
   find_column(0);
   join_column();
@@ -341,7 +341,7 @@ void CutEvidence::find(const PlaneView& view, const PlaneTops& tops, HeightBand 
   crossings_.resize(rings_);
   // While the vehicle drives a whole turn lies between the last column and the first one.
   const bool closes = !grid.moved;
-  side_ = closes ? Outlines::Side::joined : Outlines::Side::open;
+  begin_side_ = closes ? Outlines::Side::joined : Outlines::Side::unknown;
 
   lone_ = view.links().lone_returns().data();
   lone_end_ = lone_ + view.links().lone_returns().size();
@@ -349,10 +349,13 @@ void CutEvidence::find(const PlaneView& view, const PlaneTops& tops, HeightBand 
   for (std::size_t c = 0; c < grid.columns(); ++c) {
     silent = find_column(c) ? 0 : silent + 1;
     if (silent > 0 && silent <= most_silent) continue;
+    const Outlines::Side side = silent > 0 ? Outlines::Side::unknown : Outlines::Side::other;
+    end_side_ = side;
     join_column();
-    side_ = Outlines::Side::open;
+    begin_side_ = side;
   }
   if (closes) return close_circle();
+  end_side_ = Outlines::Side::unknown;
   join_column();
 }
 

@@ -55,7 +55,7 @@ class CutEvidence {
   struct Strip {
     std::vector<OutlineBeam> beams;
     Piece newest{}, next{};  // of the column before, and of the current one
-    Outlines::Side begin = Outlines::Side::open;
+    Outlines::Side begin = Outlines::Side::other;
     bool goes_on = false;     // in the current column
     bool has_branch = false;  // to it
   };
@@ -124,8 +124,9 @@ class CutEvidence {
   float looked_from_ = 0;         // m, whole_band_from()
 
   std::array<Strips, Visibility::kinds> strips_;
-  Outlines::Side side_ = Outlines::Side::open;  // of strips that begin in the current column
-  OutlineBeam way_;                             // of the current piece
+  Outlines::Side begin_side_ = Outlines::Side::other;  // of strips that begin in the current column
+  Outlines::Side end_side_ = Outlines::Side::other;    // of those that do not go on in it
+  OutlineBeam way_;                                    // of the current piece
   std::vector<OutlineBeam> pair_;
 };
 
