@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "core/base/angle.h"
 #include "core/base/number_text.h"
 #include "daemon/config/config.h"
 #include "daemon/config/key_tables.h"
@@ -128,6 +129,49 @@ DropinSetup laser_virtualizer_setup(const NodeParameters& parameters) {
   setup.keys = {{"vehicle", KeyMap{{"base_frame", base}}},
                 {"sensors", std::move(sensors)},
                 {"virtual_scans", KeyMap{{"virtual_laser_scan", std::move(entry)}}}};
+  reader.remark_on_rest(setup.warnings);
+  return setup;
+}
+
+DropinSetup scan_unifier_setup(const NodeParameters& parameters) {
+  DropinSetup setup;
+  ParameterReader reader(parameters);
+  std::vector<std::string> names;
+  KeyMap sensors = sensors_of(required_words(reader, "input_scans", "topics of LaserScans"), names);
+  const std::string frame = reader.text("frame", "base_link");
+  const double step = pi_d / 360;
+  KeyMap entry{{"laserscan_topics", key_value(names)},     {"destination_frame", frame},
+               {"scan_destination_topic", "scan_unified"}, {"angle_min", -pi_d + step / 100},
+               {"angle_max", pi_d - step / 100},           {"angle_increment", step}};
+  setup.warnings.emplace_back("a beam without return is +inf (theirs: range_max)");
+  setup.keys = {{"vehicle", KeyMap{{"base_frame", frame}}},
+                {"sensors", std::move(sensors)},
+                {"merged_scans", KeyMap{{"scan_unified", std::move(entry)}}}};
+  reader.remark_on_rest(setup.warnings);
+  return setup;
+}
+
+DropinSetup flat_scan_setup(const NodeParameters& parameters, const std::string& frame, bool to_cloud) {
+  DropinSetup setup;
+  ParameterReader reader(parameters);
+  std::string target = reader.text("target_frame", "");
+  if (target.empty()) target = frame;
+  if (target.empty())
+    throw ConfigError("parameter ~target_frame is empty, and the frame of the source is not in this file");
+  KeyMap entry{{to_cloud ? "laserscan_topics" : "cloud_topic", ""},
+               {to_cloud ? "destination_frame" : "virtual_laser_scan", KeyValue()},
+               {to_cloud ? "cloud_destination_topic" : "output_laser_topic", to_cloud ? "cloud" : "scan"}};
+  entry[1].second = to_cloud ? KeyValue(target) : KeyValue(KeyList{target});
+  constexpr std::pair<const char*, double> presets[] = {
+      {"min_height", 0},   {"max_height", 10000},           {"angle_min", -pi_d},
+      {"angle_max", pi_d}, {"angle_increment", pi_d / 180}, {"scan_time", 1.0 / 30}};
+  for (const auto& [name, preset] : presets) {
+    if (!to_cloud) entry.emplace_back(name, reader.number(name, preset));
+  }
+  if (!to_cloud) entry.emplace_back("empty", reader.flag("use_inf", "true") ? "inf" : "range_max_plus_one");
+  reader.move("pointcloud_to_laserscan", entry, setup);
+  setup.keys = {{"sensors", KeyMap{{"source", KeyMap{{"topic", to_cloud ? "scan_in" : "cloud_in"}}}}},
+                {to_cloud ? "merged_scans" : "virtual_scans", KeyMap{{"scan", std::move(entry)}}}};
   reader.remark_on_rest(setup.warnings);
   return setup;
 }
