@@ -56,6 +56,15 @@ class Importer {
                           [](const LaunchNode* node) { return package_name(*node) == "laser_filters"; });
     for (const LaunchNode* node : late) attempt(*node, [&] { add_laser_tools(*node); });
     poses_.place(config_);
+    auto& vehicle = section(config_.keys, "vehicle");
+    for (auto& [frame, box] : boxes_) {
+      const bool is_vehicle = frame == text_of(vehicle, "base_frame");
+      if (is_vehicle) vehicle.emplace_back("footprint", box);
+      config_.changes.push_back("LaserScanBoxFilter in " + frame +
+                                (is_vehicle
+                                     ? " became vehicle.footprint, at all heights and for all merged scans"
+                                     : " was left out; vehicle.footprint removes the vehicle"));
+    }
     return std::move(config_);
   }
 
@@ -89,9 +98,10 @@ class Importer {
     const auto is_type = [&](const char* part) {
       return node.type.empty() || node.type.find(part) != std::string::npos;
     };
-    if (package == "ira_laser_tools" || package == "cob_scan_unifier" || package == "pointcloud_to_laserscan")
+    if (package == "ira_laser_tools" || package == "cob_scan_unifier" ||
+        (package == "pointcloud_to_laserscan" && is_type("pointcloud_to_laserscan")) ||
+        (package == "laser_filters" && (is_type("scan_to_scan") || is_type("ScanToScan"))))
       return false;
-    if (package == "laser_filters" && (is_type("scan_to_scan") || is_type("ScanToScan"))) return false;
     if (package == "sick_safetyscanners") {
       add_sensor(node, safety_scanners_setup(node.parameters));
     } else if (package == "urg_node" && (is_type("urg_node") || is_type("UrgNode"))) {
@@ -139,10 +149,7 @@ class Importer {
   }
 
   std::string free_name(const LaunchNode& node, const char* end = "") {
-    const std::string name = entry_name(node.name.substr(node.name.rfind('/') + 1)) + end;
-    std::string unique = name;
-    for (int n = 2; !names_.insert(unique).second; ++n) unique = name + "_" + std::to_string(n);
-    return unique;
+    return unique_name(entry_name(node.name.substr(node.name.rfind('/') + 1)) + end, names_);
   }
 
   void add_sensor(const LaunchNode& node, DropinSetup setup) {
@@ -226,18 +233,14 @@ class Importer {
     }
     for (const auto& capture : setup.replay.captures)
       setup.warnings.push_back("parameter ~pcap: `lidard replay -c THIS --pcap " + capture + "` plays it");
-    add_odometry(node, setup);
-    add_sensor(node, std::move(setup));
-  }
-
-  void add_odometry(const LaunchNode& node, DropinSetup& setup) {
     auto& vehicle = section(setup.keys, "vehicle");
-    const std::string frame = text_of(vehicle, "odometry_frame");
-    if (frame.empty()) return;
-    if (const auto set = poses_.set_odometry(frame, text_of(vehicle, "base_frame")); set != frame)
-      config_.changes.push_back(node.name + ": parameter ~fixed_frame (" + frame +
-                                ") has no effect: clouds are deskewed in " + set +
-                                ", the fixed_frame of another node");
+    const std::string fixed = text_of(vehicle, "odometry_frame");
+    if (const auto set = poses_.set_odometry(fixed, text_of(vehicle, "base_frame"));
+        set != fixed && !fixed.empty())
+      setup.warnings.push_back("parameter ~fixed_frame (" + fixed +
+                               ") has no effect: clouds are deskewed in " + set +
+                               ", the fixed_frame of another node");
+    add_sensor(node, std::move(setup));
   }
 
   /// The sensor that publishes the topic, itself or through filters; nullptr: none.
@@ -256,19 +259,13 @@ class Importer {
   /// The setup of a node that reads topics.
   DropinSetup tool_setup(const LaunchNode& node) {
     const std::string_view package = package_name(node);
-    const bool is_filter = package == "laser_filters", is_flat = package == "pointcloud_to_laserscan";
-    const bool to_cloud = is_flat && node.type.find("laserscan_to_pointcloud") != std::string::npos;
-    if (is_filter || is_flat) {
-      auto* const source = publisher_of(node.resolved(is_filter  ? "scan"
-                                                      : to_cloud ? "scan_in"
-                                                                 : "cloud_in"));
-      std::string frame;
-      for (const char* key : {"frame_id", "points_frame"}) {
-        if (source == nullptr) break;
-        if (const auto given = text_of(std::get<KeyMap>(source->second), key); !given.empty()) frame = given;
-      }
-      return is_filter ? scan_filters_setup(node.parameters, frame)
-                       : flat_scan_setup(node.parameters, frame, to_cloud);
+    const bool is_filter = package == "laser_filters";
+    if (is_filter || package == "pointcloud_to_laserscan") {
+      auto* const source = publisher_of(node.resolved(is_filter ? "scan" : "cloud_in"));
+      KeyMap sensor = source == nullptr ? KeyMap() : std::get<KeyMap>(source->second);
+      const std::string moved = text_of(sensor, "points_frame");
+      const std::string frame = moved.empty() ? text_of(sensor, "frame_id") : moved;
+      return is_filter ? scan_filters_setup(node.parameters, frame) : flat_scan_setup(node.parameters, frame);
     }
     if (package == "cob_scan_unifier") return scan_unifier_setup(node.parameters);
     const bool is_merger = node.type.find("merger") != std::string::npos ||
@@ -280,9 +277,8 @@ class Importer {
     DropinSetup setup = tool_setup(node);
     remark(node, setup);
     auto& vehicle = section(setup.keys, "vehicle");
-    if (auto* const outline = find_key(vehicle, "footprint"))
-      poses_.set_footprint(text_of(vehicle, "box_frame"), std::get<KeyList>(*outline));
     poses_.set_base(text_of(vehicle, "base_frame"));
+    if (auto* const box = find_key(vehicle, "footprint")) boxes_[text_of(vehicle, "box_frame")] = *box;
     const bool is_merger = find_key(setup.keys, "merged_scans") != nullptr;
     const char* const kind = is_merger ? "merged_scans" : "virtual_scans";
     auto& entry = std::get<KeyMap>(section(setup.keys, kind).front().second);
@@ -319,6 +315,7 @@ class Importer {
     ++config_.entries;
   }
 
+  std::map<std::string, KeyValue> boxes_;  // corners by frames
   LaunchFile launch_;
   ImportedConfig config_;
   ImportPoses poses_;

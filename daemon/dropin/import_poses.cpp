@@ -45,11 +45,6 @@ std::string ImportPoses::set_odometry(const std::string& frame, const std::strin
   return odometry_;
 }
 
-void ImportPoses::set_footprint(const std::string& frame, KeyList corners) {
-  outline_frame_ = without_slash(frame);
-  outline_ = std::move(corners);
-}
-
 const ImportPoses::Transform* ImportPoses::above(const std::string& frame) const {
   const auto up = std::find_if(transforms_.begin(), transforms_.end(),
                                [&](const Transform& one) { return one.fixed.child == frame; });
@@ -104,25 +99,6 @@ void ImportPoses::choose_base(ImportedConfig& config) {
         std::get<KeyList>(*find_key(std::get<KeyMap>(value), "virtual_laser_scan")).front()));
 }
 
-void ImportPoses::place_footprint(ImportedConfig& config) {
-  std::string root;
-  const auto pose = outline_.empty() ? std::nullopt : pose_of(outline_frame_, root);
-  if (!outline_.empty() && !pose)
-    config.changes.push_back("LaserScanBoxFilter was left out: the pose of " + outline_frame_ + " in " +
-                             base_ +
-                             " is not in this file; vehicle.footprint removes the vehicle from merged scans");
-  if (!pose) return;
-  for (KeyValue& corner : outline_) {
-    auto& xy = std::get<KeyList>(corner);
-    const Eigen::Vector3d moved =
-        *pose * Eigen::Vector3d(std::get<double>(xy[0]), std::get<double>(xy[1]), 0);
-    xy = KeyList{moved.x(), moved.y()};
-  }
-  section(config.keys, "vehicle").emplace_back("footprint", outline_);
-  config.changes.push_back(
-      "LaserScanBoxFilter became vehicle.footprint, at all heights and for all merged scans");
-}
-
 void ImportPoses::place(ImportedConfig& config) {
   refuse_loops();
   choose_base(config);
@@ -148,7 +124,6 @@ void ImportPoses::place(ImportedConfig& config) {
     }
     if (!poses.empty()) entry.emplace_back("poses", poses);
   }
-  place_footprint(config);
   report_unused(config);
   if (!base_.empty()) section(config.keys, "vehicle").emplace_back("base_frame", base_);
   if (!odometry_.empty()) section(config.keys, "vehicle").emplace_back("odometry_frame", odometry_);

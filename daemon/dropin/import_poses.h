@@ -23,8 +23,6 @@ class ImportPoses {
   void set_base(const std::string& frame);
   /// Names the odometry frame, and a frame that moves in it. Returns that of the vehicle, the first one.
   std::string set_odometry(const std::string& frame, const std::string& moved);
-  /// The outline of the vehicle: corners [x, y] in a frame.
-  void set_footprint(const std::string& frame, KeyList corners);
   /// Sets all poses and the vehicle's keys, and reports the other transforms. Throws ConfigError for a loop.
   void place(ImportedConfig& config);
 
@@ -38,13 +36,11 @@ class ImportPoses {
   std::optional<Pose> pose_of(std::string frame, std::string& root);
   void refuse_loops() const;
   void choose_base(ImportedConfig& config);
-  void place_footprint(ImportedConfig& config);
   void report_unused(ImportedConfig& config);
 
   std::deque<Transform> transforms_;
   std::set<const Transform*> used_;  // parts of a pose
-  std::string base_, odometry_, moved_, outline_frame_;
-  KeyList outline_;
+  std::string base_, odometry_, moved_;
 };
 
 }  // namespace lidard

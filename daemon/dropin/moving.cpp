@@ -214,6 +214,12 @@ std::string entry_name(const std::string& topic) {
   return name;
 }
 
+std::string unique_name(const std::string& name, std::set<std::string>& used) {
+  std::string unique = name;
+  for (int n = 2; !used.insert(unique).second; ++n) unique = name + "_" + std::to_string(n);
+  return unique;
+}
+
 KeyValue copied(const std::string& value) { return value.empty() ? KeyValue() : KeyValue(value); }
 
 KeyValue as_frame(const std::string& value) {

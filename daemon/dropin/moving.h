@@ -4,6 +4,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -103,6 +104,8 @@ KeyMap& section(KeyMap& keys, const std::string& name);
 
 /// Converts a topic to the name of an entry in a configuration.
 std::string entry_name(const std::string& topic);
+/// The name, with a number where it is used already; the result is used then.
+std::string unique_name(const std::string& name, std::set<std::string>& used);
 
 /// Converts text to the value of a key; empty: not set.
 KeyValue copied(const std::string& value);
@@ -139,8 +142,7 @@ DropinSetup nebula_setup(const NodeParameters& parameters);
 DropinSetup scan_unifier_setup(const NodeParameters& parameters);
 /// Translates the chain of scan_to_scan_filter_chain for a sensor in `frame`.
 DropinSetup scan_filters_setup(const NodeParameters& parameters, const std::string& frame);
-/// Translates the parameters of pointcloud_to_laserscan, or of its laserscan_to_pointcloud; `frame` stands in
-/// for an empty target_frame.
-DropinSetup flat_scan_setup(const NodeParameters& parameters, const std::string& frame, bool to_cloud);
+/// Translates the parameters of pointcloud_to_laserscan; `frame` stands in for an empty target_frame.
+DropinSetup flat_scan_setup(const NodeParameters& parameters, const std::string& frame);
 
 }  // namespace lidard
