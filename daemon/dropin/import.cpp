@@ -16,6 +16,11 @@
 namespace lidard {
 namespace {
 
+constexpr const char* serial =
+    "it reads this scanner at a serial port (no ~ip_address), which lidard does not; it stays in a launch "
+    "file, and "
+    "`topic` reads its scan";
+
 /// The package of the node, by the name in the launch file or by that of the executable, as of a fork.
 std::string_view package_name(const LaunchNode& node) {
   for (const std::string& given : {node.package, node.type}) {
@@ -84,11 +89,10 @@ class Importer {
     if (!node.package.empty() || !node.type.empty()) return;
     std::string word;
     const MovedPackage* const package = package_of(node.name, node.parameters, word);
-    if (package == nullptr) {
+    if (package == nullptr)
       config_.stays.push_back(node.name + ": its parameters are not those of one driver that is known here");
-      return;
-    }
-    node.package = word.empty() ? split_words(package->packages).back() : word;
+    else
+      node.package = word.empty() ? split_words(package->packages).back() : word;
     if (word == "velodyne_transform" || word == "velodyne_convert") node.package = "velodyne_pointcloud";
   }
 
@@ -105,7 +109,7 @@ class Importer {
     if (package == "sick_safetyscanners") {
       add_sensor(node, safety_scanners_setup(node.parameters));
     } else if (package == "urg_node" && (is_type("urg_node") || is_type("UrgNode"))) {
-      if (!has_value(node, "ip_address") && !has_value(node, "laser_ip_address")) refuse_serial("urg_node");
+      if (!has_value(node, "ip_address") && !has_value(node, "laser_ip_address")) throw ConfigError(serial);
       add_sensor(node, urg_node_setup(node.parameters));
     } else if (package == "sick_scan_xd" && (is_type("sick_generic") || is_type("sick_scan"))) {
       add_sensor(node, sick_scan_setup(node.parameters));
@@ -122,7 +126,7 @@ class Importer {
         config_.changes.push_back(node.name +
                                   ": arguments that make no transform; it stays in a launch file");
     } else if (node.package == "hokuyo_node") {
-      refuse_serial("hokuyo_node");
+      throw ConfigError(serial);
     } else if (node.package == "lidard") {
       config_.stays.push_back(node.name + " is lidard with a configuration of its own");
     } else if (node.package != "nodelet" && !node.package.empty()) {
@@ -135,12 +139,6 @@ class Importer {
   static bool has_value(const LaunchNode& node, const char* name) {
     const auto found = node.parameters.find(name);
     return found != node.parameters.end() && !found->second.empty();
-  }
-
-  [[noreturn]] static void refuse_serial(const std::string& driver) {
-    throw ConfigError(driver +
-                      " reads this scanner at a serial port (no ~ip_address), which lidard does not; " +
-                      "it stays in a launch file, and `topic` reads its scan");
   }
 
   void remark(const LaunchNode& node, const DropinSetup& setup) {
@@ -327,8 +325,8 @@ class Importer {
 std::string file_text(const std::string& file, const ImportedConfig& config) {
   KeyMap filled;
   for (const char* name : {"vehicle", "sensors", "merged_scans", "virtual_scans"}) {
-    for (const auto& [section_name, value] : config.keys) {
-      if (section_name == name && !std::get<KeyMap>(value).empty()) filled.emplace_back(section_name, value);
+    for (const auto& one : config.keys) {
+      if (one.first == name && !std::get<KeyMap>(one.second).empty()) filled.push_back(one);
     }
   }
   std::string text =

@@ -40,11 +40,6 @@ void ImportPoses::set_base(const std::string& frame) {
   if (base_.empty()) base_ = without_slash(frame);
 }
 
-std::string ImportPoses::set_odometry(const std::string& frame, const std::string& moved) {
-  if (odometry_.empty()) odometry_ = frame, moved_ = moved;
-  return odometry_;
-}
-
 const ImportPoses::Transform* ImportPoses::above(const std::string& frame) const {
   const auto up = std::find_if(transforms_.begin(), transforms_.end(),
                                [&](const Transform& one) { return one.fixed.child == frame; });

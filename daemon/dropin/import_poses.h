@@ -22,7 +22,10 @@ class ImportPoses {
   /// Names the base frame; the first one counts.
   void set_base(const std::string& frame);
   /// Names the odometry frame, and a frame that moves in it. Returns that of the vehicle, the first one.
-  std::string set_odometry(const std::string& frame, const std::string& moved);
+  std::string set_odometry(const std::string& frame, const std::string& moved) {
+    if (odometry_.empty()) odometry_ = frame, moved_ = moved;
+    return odometry_;
+  }
   /// Sets all poses and the vehicle's keys, and reports the other transforms. Throws ConfigError for a loop.
   void place(ImportedConfig& config);
 

@@ -144,9 +144,7 @@ const MovedPackage& moved_package(std::string_view name) {
 
 const MovedPackage* package_of(const std::string& node, const NodeParameters& parameters, std::string& word) {
   constexpr std::string_view common =
-      "frame_id angle_min angle_max angle_increment range_min range_max min_range max_range scan_time "
-      "time_offset "
-      "port skip intensity use_sim_time";
+      "frame_id angle_* range_* min_range max_range scan_time time_offset port skip intensity use_sim_time";
   const MovedPackage* best = nullptr;
   std::size_t most = 1;
   for (const MovedPackage& package : moved_packages()) {

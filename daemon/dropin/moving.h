@@ -132,17 +132,14 @@ DropinSetup safety_scanners_setup(const NodeParameters& parameters);
 DropinSetup urg_node_setup(const NodeParameters& parameters);
 /// Translates the parameters of sick_generic_caller of sick_scan_xd.
 DropinSetup sick_scan_setup(const NodeParameters& parameters);
-/// Translates the parameters of LMS1xx_node.
+/// The same for LMS1xx_node, the node `type` of sick_tim, nebula's Velodyne nodes, scan_unifier_node of
+/// cob_scan_unifier, scan_to_scan_filter_chain for a sensor in `frame`, and pointcloud_to_laserscan, where
+/// `frame` stands in for an empty target_frame.
 DropinSetup lms1xx_setup(const NodeParameters& parameters);
-/// Translates the parameters of the node `type` of sick_tim.
 DropinSetup sick_tim_setup(const std::string& type, const NodeParameters& parameters);
-/// Translates the parameters of nebula's Velodyne nodes.
 DropinSetup nebula_setup(const NodeParameters& parameters);
-/// Translates the parameters of cob_scan_unifier's scan_unifier_node.
 DropinSetup scan_unifier_setup(const NodeParameters& parameters);
-/// Translates the chain of scan_to_scan_filter_chain for a sensor in `frame`.
 DropinSetup scan_filters_setup(const NodeParameters& parameters, const std::string& frame);
-/// Translates the parameters of pointcloud_to_laserscan; `frame` stands in for an empty target_frame.
 DropinSetup flat_scan_setup(const NodeParameters& parameters, const std::string& frame);
 
 }  // namespace lidard

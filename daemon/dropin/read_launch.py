@@ -135,14 +135,6 @@ def load_quietly(path, arguments):
     return roslaunch.config.load_config_default([(path, arguments)], None, assign_machines=False), rosgraph.names
 
 
-def nodes_of(path, arguments):
-    """(name, package, type, namespace, arguments, remaps) of each node, and all parameters."""
-    config, names = load_quietly(path, arguments)
-    nodes = [(names.ns_join(node.namespace, node.name), node.package, node.type, node.namespace, node.args or "",
-              list(node.remap_args)) for node in config.nodes]
-    return nodes, {key: parameter.value for key, parameter in config.params.items()}
-
-
 def node(name, parameters, package="", kind="", arguments=(), space="/", remaps=None):
     return {"name": name, "package": package, "type": kind, "arguments": list(arguments), "namespace": space,
             "remaps": remaps or {}, "parameters": dict(flat(parameters))}
@@ -168,9 +160,11 @@ def resolved_name(name, node, space):
 
 
 def nodes_of_launch(path, arguments):
-    nodes, parameters = nodes_of(path, arguments)
-    for full, package, kind, space, args, remaps in nodes:
-        words = args.split()
+    config, names = load_quietly(path, arguments)
+    parameters = {key: parameter.value for key, parameter in config.params.items()}
+    for one in config.nodes:
+        full, space = names.ns_join(one.namespace, one.name), one.namespace
+        package, kind, words, remaps = one.package, one.type, (one.args or "").split(), list(one.remap_args)
         if package == "nodelet" and words and words[0] in ("load", "standalone") and len(words) > 1:
             package, _, kind = words[1].partition("/")
             remaps += [word.split(":=", 1) for word in words[2:] if ":=" in word]

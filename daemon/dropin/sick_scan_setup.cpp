@@ -182,8 +182,7 @@ DropinSetup lms1xx_setup(const NodeParameters& parameters) {
 
 DropinSetup sick_tim_setup(const std::string& type, const NodeParameters& parameters) {
   const bool is_mrs = type.find("mrs1000") != std::string::npos;
-  const auto host = parameters.find("hostname");
-  if ((!is_mrs && type.find("tim5") == std::string::npos) || host == parameters.end() || host->second.empty())
+  if ((!is_mrs && type.find("tim5") == std::string::npos) || parameters.count("hostname") == 0)
     throw ConfigError(type + " of sick_tim reads the scanner over USB here, which lidard does not; " +
                       "expected a scanner with Ethernet, its address in ~hostname");
   NodeParameters ours = parameters;
