@@ -33,12 +33,20 @@ std::string_view package_name(const LaunchNode& node) {
 }
 
 /// The tables of velodyne_pointcloud/params (1.7.0) that equal those of the models here: clouds differ by at
-/// most 0.07 mm, from the rounding of angles in VLP16_hires_db.yaml.
-bool is_table_of_model(const std::string& path) {
-  if (path.find("velodyne_pointcloud/params/") == std::string::npos) return false;  // perhaps another table
-  constexpr std::string_view names[] = {"VLP16db.yaml", "VLP16_hires_db.yaml", "32db.yaml",
-                                        "VeloView-VLP-32C.yaml", "VLS128.yaml"};
-  return std::find(std::begin(names), std::end(names), path.substr(path.rfind('/') + 1)) != std::end(names);
+/// most 0.07 mm, from the rounding of angles in VLP16_hires_db.yaml. A folder elsewhere may hold another
+/// table.
+bool is_table_of(const std::string& model, const std::string& path) {
+  constexpr std::pair<std::string_view, std::string_view> tables[] = {
+      {"VLP16db.yaml", "velodyne_vlp16"},
+      {"VLP16_hires_db.yaml", "velodyne_puck_hires"},
+      {"32db.yaml", "velodyne_hdl32e"},
+      {"VeloView-VLP-32C.yaml", "velodyne_vlp32c"},
+      {"VLS128.yaml", "velodyne_vls128"}};
+  const std::size_t name = path.rfind('/') + 1;
+  return (name == 0 || path.find("velodyne_pointcloud/params/") != std::string::npos) &&
+         std::find(std::begin(tables), std::end(tables),
+                   std::pair<std::string_view, std::string_view>(std::string_view(path).substr(name),
+                                                                 model)) != std::end(tables);
 }
 
 class Importer {
@@ -211,7 +219,8 @@ class Importer {
           "its model is not in this file; expected the driver of the Velodyne beside it, or ~model");
     if (node.package == "velodyne_laserscan" || (node.package == "velodyne_pointcloud" && has_driver)) return;
     NodeParameters parameters = node.parameters;
-    if (node.package == "velodyne_pointcloud") parameters.emplace("packet_topic", "velodyne_packets");
+    const bool is_fed = node.package == "velodyne_pointcloud";
+    if (is_fed) parameters.emplace("packet_topic", "velodyne_packets");
     const LaunchNode* const points =
         node.package == "velodyne_driver" ? partner("velodyne_pointcloud", node, "velodyne_packets") : &node;
     const LaunchNode* const scan =
@@ -220,11 +229,13 @@ class Importer {
       if (other != nullptr) parameters.insert(other->parameters.begin(), other->parameters.end());
     }
     DropinSetup setup = velodyne_node_setup(parameters);
+    if (is_fed)
+      setup.warnings.emplace_back("packets come from packet_topic: the file has no driver of the Velodyne");
     auto& sensor = std::get<KeyMap>(section(setup.keys, "sensors").front().second);
     if (scan == nullptr && !node.package.empty() && node.package != "velodyne_node") {
       for (const char* key : {"scan_ring", "scan_resolution", "scan_topic"}) erase_key(sensor, key);
     }
-    if (const auto file = text_of(sensor, "calibration"); is_table_of_model(file)) {
+    if (const auto file = text_of(sensor, "calibration"); is_table_of(text_of(sensor, "model"), file)) {
       erase_key(sensor, "calibration");
       setup.remarks.push_back("parameter ~calibration (" + file +
                               ") is the table that the model has here too");

@@ -193,6 +193,20 @@ LaunchNode transform(const std::vector<std::string>& arguments, const char* pack
   return {"/place", package, "static_transform_publisher", "/", arguments, {}, {}};
 }
 
+TEST(Import, ACalibrationIsLeftOutWhereTheModelHasThatTable) {
+  const auto text = [](const char* model, const char* file) {
+    return yaml_text(
+        from_parameters("/velodyne_transform_node", {{"model", model}, {"calibration", file}}).keys);
+  };
+  const std::string installed = "/opt/ros/share/velodyne_pointcloud/params/";
+  const auto keeps = ::testing::HasSubstr("calibration: ");
+  EXPECT_THAT(text("VLP16", "VLP16db.yaml"), ::testing::Not(keeps))
+      << "as the parameter files of ROS 2 name it";
+  EXPECT_THAT(text("32E", (installed + "32db.yaml").c_str()), ::testing::Not(keeps));
+  EXPECT_THAT(text("VLP16", (installed + "32db.yaml").c_str()), keeps) << "the table of another model";
+  EXPECT_THAT(text("VLP16", "/home/robot/VLP16db.yaml"), keeps);
+}
+
 TEST(Import, OlderDriversBecomeTheirModels) {
   const ImportedConfig imported = from_nodes(
       {node("/a", "lms1xx", "LMS1xx_node", {{"host", "192.168.1.14"}, {"frame_id", "/front"}},
