@@ -120,6 +120,10 @@ void ImportPoses::place(ImportedConfig& config) {
     if (!poses.empty()) entry.emplace_back("poses", poses);
   }
   report_unused(config);
+  if (base_ == "map")
+    config.changes.emplace_back(
+        "vehicle.base_frame is map, as sick_scan_xd has it unless told otherwise; the frame of "
+        "a vehicle is wanted there");
   if (!base_.empty()) section(config.keys, "vehicle").emplace_back("base_frame", base_);
   if (!odometry_.empty()) section(config.keys, "vehicle").emplace_back("odometry_frame", odometry_);
 }

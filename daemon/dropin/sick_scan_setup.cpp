@@ -73,10 +73,6 @@ void place_sensor(ParameterReader& reader, std::string& frame, DropinSetup& setu
     setup.warnings.push_back("parameter ~add_transform_xyz_rpy is part of the pose of " + frame +
                              ": it moves the scan with the cloud, while sick_scan_xd moved the cloud alone");
   if (rate > 0) setup.transforms.push_back({base, frame, mounted * moved});
-  if (rate > 0 && base == "map")
-    setup.remarks.emplace_back(
-        "vehicle.base_frame is map, which is where sick_scan_xd hangs a sensor unless told "
-        "otherwise; the frame of a vehicle is wanted there");
 }
 
 /// The topic of the first whole cloud in x, y and z of ~custom_pointclouds; reports those that are not

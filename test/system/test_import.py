@@ -236,7 +236,7 @@ def upside_down(tmp):
     merged, = config["merged_scans"].values()
     expect(merged == {"laserscan_topics": [name], "destination_frame": "cloud", "cloud_destination_topic": "/cloud"}, merged)
     changes = [line for line in changes_of(file) if line]
-    expect(len(changes) == 1 and "add_transform_xyz_rpy" in changes[0], changes)
+    expect(len(changes) == 2 and "add_transform_xyz_rpy" in changes[0] and "base_frame is map" in changes[1], changes)
     # With a mount, and where another node publishes the frame.
     mounted = UPSIDE_DOWN.replace("map", "base_link").replace('xyz_rpy" type="string" value="0,0,0,0,0,0"',
                                                               'xyz_rpy" type="string" value="1,0,0.5,0,0,1.5707963267948966"')
