@@ -185,6 +185,7 @@ DropinSetup flat_scan_setup(const NodeParameters& parameters, const std::string&
       {"angle_max", pi_d}, {"angle_increment", pi_d / 180}, {"scan_time", 1.0 / 30}};
   for (const auto& [name, preset] : presets) entry.emplace_back(name, reader.number(name, preset));
   entry.emplace_back("empty", reader.flag("use_inf", "true") ? "inf" : "range_max_plus_one");
+  setup.warnings.emplace_back("a scan is stamped by its first ray (theirs: as the cloud)");
   reader.move("pointcloud_to_laserscan", entry, setup);
   setup.keys = {{"sensors", KeyMap{{"cloud_in", KeyMap{{"topic", "cloud_in"}}}}},
                 {"virtual_scans", KeyMap{{"scan", std::move(entry)}}}};

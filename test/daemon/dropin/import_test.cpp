@@ -267,7 +267,7 @@ TEST(Import, AFlatScanOfACloudIsAVirtualScan) {
                            "empty: range_max_plus_one", "angle_increment: 0.01745"})
     EXPECT_THAT(text, HasSubstr(line));
   EXPECT_EQ(scan.poses.size(), 1U);
-  EXPECT_THAT(imported.changes, IsEmpty());
+  EXPECT_THAT(imported.changes, ElementsAre(HasSubstr("stamped by its first ray")));
 }
 
 TEST(Import, AFlatScanWithoutTargetIsInTheFrameOfItsSource) {
