@@ -17,9 +17,8 @@ namespace lidard {
 namespace {
 
 constexpr const char* serial =
-    "it reads this scanner at a serial port (no ~ip_address), which lidard does not; it stays in a launch "
-    "file, and "
-    "`topic` reads its scan";
+    "lidard reads no serial port (there is no ~ip_address); it stays in a launch file, `topic` reads its "
+    "scan";
 
 /// The package of the node, by the name in the launch file or by that of the executable, as of a fork.
 std::string_view package_name(const LaunchNode& node) {
@@ -36,17 +35,15 @@ std::string_view package_name(const LaunchNode& node) {
 /// most 0.07 mm, from the rounding of angles in VLP16_hires_db.yaml. A folder elsewhere may hold another
 /// table.
 bool is_table_of(const std::string& model, const std::string& path) {
-  constexpr std::pair<std::string_view, std::string_view> tables[] = {
-      {"VLP16db.yaml", "velodyne_vlp16"},
-      {"VLP16_hires_db.yaml", "velodyne_puck_hires"},
-      {"32db.yaml", "velodyne_hdl32e"},
-      {"VeloView-VLP-32C.yaml", "velodyne_vlp32c"},
-      {"VLS128.yaml", "velodyne_vls128"}};
+  static const std::map<std::string, std::string> tables{{"VLP16db.yaml", "velodyne_vlp16"},
+                                                         {"VLP16_hires_db.yaml", "velodyne_puck_hires"},
+                                                         {"32db.yaml", "velodyne_hdl32e"},
+                                                         {"VeloView-VLP-32C.yaml", "velodyne_vlp32c"},
+                                                         {"VLS128.yaml", "velodyne_vls128"}};
   const std::size_t name = path.rfind('/') + 1;
-  return (name == 0 || path.find("velodyne_pointcloud/params/") != std::string::npos) &&
-         std::find(std::begin(tables), std::end(tables),
-                   std::pair<std::string_view, std::string_view>(std::string_view(path).substr(name),
-                                                                 model)) != std::end(tables);
+  const auto found = tables.find(path.substr(name));
+  const bool is_theirs = name == 0 || path.find("velodyne_pointcloud/params/") != std::string::npos;
+  return is_theirs && found != tables.end() && found->second == model;
 }
 
 class Importer {
@@ -64,7 +61,7 @@ class Importer {
         if (!import_node(node)) late.push_back(&node);
       });
     }
-    // Nodes that filter and those that merge are imported after their sources.
+    // Nodes that filter, and then those that merge, are imported after their sources.
     std::stable_partition(late.begin(), late.end(),
                           [](const LaunchNode* node) { return package_name(*node) == "laser_filters"; });
     for (const LaunchNode* node : late) attempt(*node, [&] { add_laser_tools(*node); });
@@ -214,9 +211,7 @@ class Importer {
     const bool is_alone = node.package == "velodyne_laserscan"
                               ? partner("velodyne_pointcloud", node, "velodyne_points") == nullptr
                               : !has_driver && !has_value(node, "model");
-    if (is_alone)
-      throw ConfigError(
-          "its model is not in this file; expected the driver of the Velodyne beside it, or ~model");
+    if (is_alone) throw ConfigError("the file has no driver of this Velodyne; expected one, or ~model");
     if (node.package == "velodyne_laserscan" || (node.package == "velodyne_pointcloud" && has_driver)) return;
     NodeParameters parameters = node.parameters;
     const bool is_fed = node.package == "velodyne_pointcloud";

@@ -107,8 +107,7 @@ void ImportPoses::place(ImportedConfig& config) {
     const Transform& last = *above(frame);
     if (last.is_joint && last.fixed.parent != base_)
       config.changes.push_back("sensors." + name + ": `pose` makes " + base_ + " the parent of " + frame +
-                               ", which is " + last.fixed.parent + " by " + last.publisher +
-                               "; leave `pose` out where robot_state_publisher goes on");
+                               ", which is " + last.fixed.parent + " by " + last.publisher + "; keep one");
   }
   for (auto& [name, value] : section(config.keys, "virtual_scans")) {
     auto& entry = std::get<KeyMap>(value);
@@ -121,9 +120,7 @@ void ImportPoses::place(ImportedConfig& config) {
   }
   report_unused(config);
   if (base_ == "map")
-    config.changes.emplace_back(
-        "vehicle.base_frame is map, as sick_scan_xd has it unless told otherwise; the frame of "
-        "a vehicle is wanted there");
+    config.changes.emplace_back("vehicle.base_frame is map, the default of sick_scan_xd; name yours");
   if (!base_.empty()) section(config.keys, "vehicle").emplace_back("base_frame", base_);
   if (!odometry_.empty()) section(config.keys, "vehicle").emplace_back("odometry_frame", odometry_);
 }

@@ -196,8 +196,7 @@ DropinSetup flat_scan_setup(const NodeParameters& parameters, const std::string&
 DropinSetup scan_filters_setup(const NodeParameters& parameters, const std::string& frame) {
   if (frame.empty())
     throw ConfigError(
-        "its scan is of no sensor in this file; it stays in a launch file, and `topic` reads the "
-        "filtered scan");
+        "no sensor in this file has its scan; it stays in a launch file, `topic` reads its output");
   DropinSetup setup;
   KeyMap window, vehicle;
   KeyMap entry{{"laserscan_topics", ""},
@@ -216,12 +215,10 @@ DropinSetup scan_filters_setup(const NodeParameters& parameters, const std::stri
       continue;
     const std::string type = value.substr(value.rfind('/') + 1);
     if (!add_filter(type, key.substr(0, end) + "/params/", reader, entry, window, vehicle))
-      setup.warnings.push_back("filter " + type +
-                               " was left out: it has no counterpart for a merged scan, which "
-                               "the filtered scan becomes");
+      setup.warnings.push_back("filter " + type + " was left out: a merged scan has no such filter");
   }
   setup.warnings.emplace_back(
-      "the filtered scan has beams every 0.25 degrees (angle_increment; theirs: as the sensor)");
+      "beams are 0.25 degrees apart (angle_increment; theirs: as the sensor has them)");
   entry.emplace_back("window", std::move(window));
   setup.keys = {{"vehicle", std::move(vehicle)},
                 {"sensors", KeyMap{{"source", KeyMap{{"topic", "scan"}}}}},

@@ -17,12 +17,7 @@ import sys
 from xml.etree import ElementTree
 
 MISSING = "/package-not-found/"
-changes, remarks = [], []
-
-
-def add(text, texts):
-    if text not in texts:
-        texts.append(text)
+changes, remarks = {}, {}  # each text once, in order
 
 
 def printed_by(name, command, path):
@@ -32,7 +27,7 @@ def printed_by(name, command, path):
     words[:1] = [shutil.which("xacro") if program in ("xacro", "xacro.py") else program]
     if program != "cat" and (not words[0] or words[0] == program):
         how = "; install xacro for the poses of its joints" if "xacro" in program else ""
-        add(f"parameter {name} is what a program prints, which was not run: {command}{how}", changes)
+        changes.setdefault(f"parameter {name} is what a program prints, which was not run: {command}{how}")
         return ""
     # xacro finds packages by itself: that of the file too, which need not be installed.
     while path != "/" and not os.path.exists(os.path.join(path, "package.xml")):
@@ -40,7 +35,7 @@ def printed_by(name, command, path):
     packages = os.pathsep.join([path, os.environ.get("ROS_PACKAGE_PATH", "")][path == "/":])
     run = subprocess.run(words, capture_output=True, check=False, text=True, env={**os.environ, "ROS_PACKAGE_PATH": packages})
     if run.returncode != 0:
-        add(f"parameter {name} was not computed: {run.stderr.strip()}", changes)
+        changes.setdefault(f"parameter {name} was not computed: {run.stderr.strip()}")
     return run.stdout
 
 
@@ -49,7 +44,7 @@ def own_launch_file(path):
     here, name = os.path.dirname(os.path.realpath(__file__)), os.path.basename(path)
     for own in (os.path.join(here, "launch", name), os.path.join(here, "../../share/lidard/launch", name)):
         if path.startswith(MISSING + "velodyne_pointcloud/launch/") and os.path.exists(own):
-            add(f"velodyne_pointcloud is not installed: lidard's {name} was read in its place", remarks)
+            remarks.setdefault(f"velodyne_pointcloud is not installed: lidard's {name} was read in its place")
             return own
     return path
 
@@ -122,7 +117,7 @@ def load_quietly(path, arguments):
 
     def without_dumps(self, context, ros_config, cmd, *rest, **more):
         if cmd == "dump":
-            add('a <rosparam command="dump"> was left out', remarks)
+            remarks.setdefault('a <rosparam command="dump"> was left out')
             return None
         return load_rosparam(self, context, ros_config, cmd, *rest, **more)
 
@@ -150,7 +145,7 @@ def fixed_joints(name, description):
             yield node(f"{name}, joint {joint.get('name')}", {}, "robot_state_publisher", "static_transform_publisher",
                        [*values.get("xyz", "0 0 0").split(), yaw, pitch, roll, *frames])
     except (ElementTree.ParseError, AttributeError, KeyError, ValueError) as trouble:
-        add(f"parameter {name} is no complete description of a robot ({trouble}): its poses stay with tf", changes)
+        changes.setdefault(f"parameter {name} is no complete description of a robot ({trouble}): its poses stay with tf")
 
 
 def resolved_name(name, node, space):
@@ -168,14 +163,10 @@ def nodes_of_launch(path, arguments):
         if package == "nodelet" and words and words[0] in ("load", "standalone") and len(words) > 1:
             package, _, kind = words[1].partition("/")
             remaps += [word.split(":=", 1) for word in words[2:] if ":=" in word]
-        own = {}
-        for word in words:
-            if word.startswith("_") and ":=" in word and not word.startswith("__"):
-                name, value = word[1:].split(":=", 1)
-                own[name] = value
-        own = {**{key[len(full) + 1:]: value for key, value in parameters.items() if key.startswith(full + "/")}, **own}
+        own = {key[len(full) + 1:]: value for key, value in parameters.items() if key.startswith(full + "/")}
+        own.update(word[1:].split(":=", 1) for word in words if re.match("_[^_].*:=", word))
         for missing in set(re.findall(MISSING + r"([^/\s]+)", str(own))) - {"velodyne_pointcloud"}:
-            add(f"{full}: package {missing}, of which it has a file, is neither installed nor beside the file", changes)
+            changes.setdefault(f"{full}: package {missing}, of which it has a file, is neither installed nor beside the file")
         yield node(full, own, package, kind, words, space,
                    {resolved_name(a, full, space): resolved_name(b, full, space) for a, b in remaps})
     for key, value in parameters.items():
@@ -224,7 +215,7 @@ def main(path, arguments):
             nodes = list(nodes_of_parameters(path))
         else:
             nodes = list(nodes_of_launch(path, arguments))
-        answer = {"nodes": nodes, "changes": changes, "remarks": remarks}
+        answer = {"nodes": nodes, "changes": list(changes), "remarks": list(remarks)}
     except ImportError as missing:
         answer = {"missing": "a launch file is read with roslaunch, a parameter file with Python's yaml, and "
                              f"{missing}; apt install python3-roslaunch python3-yaml"}

@@ -80,16 +80,12 @@ void place_sensor(ParameterReader& reader, std::string& frame, DropinSetup& setu
 std::string custom_cloud(ParameterReader& reader, DropinSetup& setup) {
   std::string first, others;
   for (const std::string& name : split_words(reader.text("custom_pointclouds", ""))) {
-    std::string topic = name;
-    const auto properties = split_words(reader.text(name, ""));
-    const auto has = [&](const char* one) {
-      return std::find(properties.begin(), properties.end(), one) != properties.end();
-    };
-    for (const std::string& one : properties) {
-      if (one.rfind("topic=", 0) == 0) topic = one.substr(6);
-    }
-    if (has("publish=0")) continue;
-    const bool is_first = first.empty() && !has("coordinateNotation=1") && !has("updateMethod=1");
+    const std::string properties = " " + reader.text(name, "") + " ";
+    const auto has = [&](const char* one) { return properties.find(one) != std::string::npos; };
+    if (has(" publish=0 ")) continue;
+    const std::size_t at = properties.find(" topic=") + 7;
+    const std::string topic = has(" topic=") ? properties.substr(at, properties.find(' ', at) - at) : name;
+    const bool is_first = first.empty() && !has(" coordinateNotation=1 ") && !has(" updateMethod=1 ");
     (is_first ? first : others) += (is_first || others.empty() ? "" : ", ") + topic;
   }
   if (!others.empty())
@@ -108,10 +104,11 @@ void pair_login(KeyMap& sensor, DropinSetup& setup) {
 }
 
 /// Parameters of a driver that came before sick_scan_xd, without the transforms and the cloud of the latter.
-NodeParameters older_parameters(NodeParameters parameters, const char* scanner_type) {
+NodeParameters older_parameters(NodeParameters parameters, const char* scanner_type,
+                                const char* port = "2112") {
   parameters["scanner_type"] = scanner_type;
   parameters["tf_publish_rate"] = "0";
-  parameters.insert({{"port", "2112"}, {"frame_id", "laser"}, {"cloud_topic", ""}});
+  parameters.insert({{"port", port}, {"frame_id", "laser"}, {"cloud_topic", ""}});
   return parameters;
 }
 
@@ -132,8 +129,7 @@ DropinSetup sick_scan_setup(const NodeParameters& parameters) {
     sensor.emplace_back("ip_port", port);
   if (type.ours == "sick_picoscan150")
     setup.warnings.emplace_back(
-        "sick_scan_xd does not distinguish picoScan150 and picoScan120: model is to be changed "
-        "for the latter");
+        "model is to be changed for a picoScan120, which sick_scan_xd does not distinguish");
   std::string frame = reader.text("frame_id", reader.text("publish_frame_id", "cloud"));
   if (!frame.empty() && frame.front() == '/') frame.erase(0, 1);
   if (frame.empty()) frame = "cloud";
@@ -165,11 +161,10 @@ DropinSetup sick_scan_setup(const NodeParameters& parameters) {
 }
 
 DropinSetup lms1xx_setup(const NodeParameters& parameters) {
-  NodeParameters theirs = parameters;
-  theirs.insert({{"host", "192.168.1.2"}, {"port", "2111"}});
-  NodeParameters ours = older_parameters(theirs, "sick_lms_1xx");
-  ours["hostname"] = theirs["host"];
-  if (theirs["publish_2nd_pulse"] == "true") ours["host_FREchoFilter"] = "1";
+  NodeParameters ours = older_parameters(parameters, "sick_lms_1xx", "2111");
+  const auto host = ours.insert({"host", "192.168.1.2"}).first->second;
+  ours["hostname"] = host;
+  if (ours["publish_2nd_pulse"] == "true") ours["host_FREchoFilter"] = "1";
   for (const char* name : {"host", "publish_2nd_pulse", "publish_min_range_as_inf"}) ours.erase(name);
   DropinSetup setup = sick_scan_setup(ours);
   setup.warnings.emplace_back("a beam without return is +inf (theirs: 0.0)");
