@@ -215,7 +215,7 @@ DropinSetup scan_filters_setup(const NodeParameters& parameters, const std::stri
       continue;
     const std::string type = value.substr(value.rfind('/') + 1);
     if (!add_filter(type, key.substr(0, end) + "/params/", reader, entry, window, vehicle))
-      setup.warnings.push_back("filter " + type + " was left out: a merged scan has no such filter");
+      setup.warnings.push_back(type + " was left out: a merged scan has none (that of a sensor: `filter`)");
   }
   setup.warnings.emplace_back(
       "beams are 0.25 degrees apart (angle_increment; theirs: as the sensor has them)");
