@@ -61,9 +61,12 @@ class Importer {
         if (!import_node(node)) late.push_back(&node);
       });
     }
-    // Nodes that filter, and then those that merge, are imported after their sources.
-    std::stable_partition(late.begin(), late.end(),
-                          [](const LaunchNode* node) { return package_name(*node) == "laser_filters"; });
+    // Nodes that filter, those that cut and those that merge are imported after their sources.
+    const auto rank = [](const LaunchNode* node) {
+      const std::string_view package = package_name(*node);
+      return package == "laser_filters" ? 0 : package == "pointcloud_to_laserscan" ? 1 : 2;
+    };
+    std::stable_sort(late.begin(), late.end(), [&](auto* a, auto* b) { return rank(a) < rank(b); });
     for (const LaunchNode* node : late) attempt(*node, [&] { add_laser_tools(*node); });
     poses_.place(config_);
     auto& vehicle = section(config_.keys, "vehicle");
@@ -298,11 +301,14 @@ class Importer {
       const std::string source = publisher != nullptr         ? publisher->first
                                  : names_.insert(name).second ? name
                                                               : free_name(node);
-      if (publisher == nullptr) {
+      const bool is_output = publisher == nullptr && topics_.count(topic) > 0;
+      if (is_output && (!is_merger || cuts_.count(topic) == 0))
+        throw ConfigError("it reads " + topic + ", an output of a merged scan; it stays in a launch file");
+      if (publisher == nullptr && !is_output) {
         section(config_.keys, "sensors").emplace_back(source, KeyMap{{"topic", topic}});
         ++config_.entries;
       }
-      sources.emplace_back(source);
+      sources.emplace_back(is_output ? topic : source);
       KeyMap window = views_[topic].second;
       if (auto* const own = find_key(entry, "window")) {
         window = std::get<KeyMap>(*own);
@@ -315,6 +321,7 @@ class Importer {
         is_merger ? KeyValue(sources) : sources.front();
     if (!windows.empty()) entry.emplace_back("source_settings", windows);
     drop_shared_topics(node, entry);
+    if (!is_merger) cuts_.insert(text_of(entry, "output_laser_topic"));
     section(config_.keys, kind).emplace_back(free_name(node), std::move(entry));
     ++config_.entries;
   }
@@ -323,7 +330,7 @@ class Importer {
   LaunchFile launch_;
   ImportedConfig config_;
   ImportPoses poses_;
-  std::set<std::string> names_, topics_;
+  std::set<std::string> names_, topics_, cuts_;  // of entries, of all outputs, of virtual scans
   /// Filtered scans by their topics: the sensor, and the window that is left of it.
   std::map<std::string, std::pair<std::string, KeyMap>> views_;
 };

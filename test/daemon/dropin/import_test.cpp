@@ -352,6 +352,22 @@ TEST(Import, FiltersOfAnUnknownScanStay) {
   EXPECT_THAT(imported.changes, ElementsAre(HasSubstr("no sensor in this file")));
 }
 
+TEST(Import, AVirtualScanIsASourceAndAMergedScanIsNone) {
+  const ImportedConfig imported =
+      from_nodes({node("/m", "ira_laser_tools", "laserscan_multi_merger",
+                       {{"laserscan_topics", "/scan_left /scan_flat"}, {"scan_destination_topic", "/all"}}),
+                  node("/again", "ira_laser_tools", "laserscan_multi_merger",
+                       {{"laserscan_topics", "/all /scan_right"}, {"scan_destination_topic", "/more"}}),
+                  node("/flat", "pointcloud_to_laserscan", "pointcloud_to_laserscan_node", {},
+                       {{"/cloud_in", "/velodyne_points"}, {"/scan", "/scan_flat"}}),
+                  velodyne, points, left, right});
+  const Config config = parsed(imported);
+  ASSERT_EQ(config.merged_scans.size(), 1U);
+  EXPECT_EQ(config.sensors.size(), 3U) << "an output is no sensor";
+  EXPECT_THAT(config.merged_scans[0].laserscan_topics, ElementsAre("left", "/scan_flat"));
+  EXPECT_THAT(imported.changes, Contains(HasSubstr("/again was not imported: it reads /all, an output")));
+}
+
 TEST(Import, OfTwoPosesOfAFrameThatOfTheDriverIsLeftOut) {
   const ImportedConfig imported =
       from_nodes({node("/tim", "sick_scan_xd", "sick_generic_caller",
