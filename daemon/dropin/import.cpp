@@ -7,56 +7,52 @@
 #include <ostream>
 #include <set>
 
-#include "core/base/number_text.h"
 #include "daemon/config/config.h"
 #include "daemon/config/key_tables.h"
 #include "daemon/config/reading.h"
+#include "daemon/dropin/import_poses.h"
 #include "daemon/files/text_file.h"
 
 namespace lidard {
 namespace {
 
-void erase_key(KeyMap& map, std::string_view key) {
-  map.erase(std::remove_if(map.begin(), map.end(), [&](const auto& one) { return one.first == key; }),
-            map.end());
-}
+constexpr const char* serial =
+    "lidard reads no serial port (there is no ~ip_address); it stays in a launch file, `topic` reads its "
+    "scan";
 
-std::string text_of(KeyMap& map, std::string_view key) {
-  const KeyValue* const value = find_key(map, key);
-  const auto* const text = value == nullptr ? nullptr : std::get_if<std::string>(value);
-  return text == nullptr ? std::string() : *text;
-}
-
-KeyMap& section(KeyMap& keys, const std::string& name) {
-  if (find_key(keys, name) == nullptr) keys.emplace_back(name, KeyMap());
-  return std::get<KeyMap>(*find_key(keys, name));
-}
-
-/// The package of the node, or for a parameter file the one with most of the parameters. Empty: unknown.
+/// The package of the node, by the name in the launch file or by that of the executable, as of a fork.
 std::string_view package_name(const LaunchNode& node) {
-  if (node.package.empty()) {
-    const MovedPackage* const package = package_of(node.parameters);
-    return package == nullptr ? std::string_view() : package->name;
-  }
-  for (const MovedPackage& package : moved_packages()) {
-    const auto names = split_words(package.packages);
-    if (std::find(names.begin(), names.end(), node.package) != names.end()) return package.name;
+  for (const std::string& given : {node.package, node.type}) {
+    for (const MovedPackage& package : moved_packages()) {
+      const auto names = split_words(package.packages);
+      if (!given.empty() && std::find(names.begin(), names.end(), given) != names.end()) return package.name;
+    }
   }
   return {};
 }
 
 /// The tables of velodyne_pointcloud/params (1.7.0) that equal those of the models here: clouds differ by at
-/// most 0.07 mm, from the rounding of angles in VLP16_hires_db.yaml.
-bool is_table_of_model(const std::string& path) {
-  if (path.find("velodyne_pointcloud/params/") == std::string::npos) return false;  // perhaps another table
-  constexpr std::string_view names[] = {"VLP16db.yaml", "VLP16_hires_db.yaml", "32db.yaml",
-                                        "VeloView-VLP-32C.yaml", "VLS128.yaml"};
-  return std::find(std::begin(names), std::end(names), path.substr(path.rfind('/') + 1)) != std::end(names);
+/// most 0.07 mm, from the rounding of angles in VLP16_hires_db.yaml. A folder elsewhere may hold another
+/// table.
+bool is_table_of(const std::string& model, const std::string& path) {
+  static const std::map<std::string, std::string> tables{{"VLP16db.yaml", "velodyne_vlp16"},
+                                                         {"VLP16_hires_db.yaml", "velodyne_puck_hires"},
+                                                         {"32db.yaml", "velodyne_hdl32e"},
+                                                         {"VeloView-VLP-32C.yaml", "velodyne_vlp32c"},
+                                                         {"VLS128.yaml", "velodyne_vls128"}};
+  const std::size_t name = path.rfind('/') + 1;
+  const auto found = tables.find(path.substr(name));
+  const bool is_theirs = name == 0 || path.find("velodyne_pointcloud/params/") != std::string::npos;
+  return is_theirs && found != tables.end() && found->second == model;
 }
 
 class Importer {
  public:
-  explicit Importer(const LaunchFile& launch) : launch_(launch) { config_.remarks = launch.remarks; }
+  explicit Importer(LaunchFile launch) : launch_(std::move(launch)) {
+    config_.changes = launch_.changes;
+    config_.remarks = launch_.remarks;
+    for (LaunchNode& node : launch_.nodes) identify(node);
+  }
 
   ImportedConfig run() {
     std::vector<const LaunchNode*> late;
@@ -65,9 +61,23 @@ class Importer {
         if (!import_node(node)) late.push_back(&node);
       });
     }
-    // Nodes that merge are imported after their sources.
+    // Nodes that filter, those that cut and those that merge are imported after their sources.
+    const auto rank = [](const LaunchNode* node) {
+      const std::string_view package = package_name(*node);
+      return package == "laser_filters" ? 0 : package == "pointcloud_to_laserscan" ? 1 : 2;
+    };
+    std::stable_sort(late.begin(), late.end(), [&](auto* a, auto* b) { return rank(a) < rank(b); });
     for (const LaunchNode* node : late) attempt(*node, [&] { add_laser_tools(*node); });
-    place();
+    poses_.place(config_);
+    auto& vehicle = section(config_.keys, "vehicle");
+    for (auto& [frame, box] : boxes_) {
+      const bool is_vehicle = frame == text_of(vehicle, "base_frame");
+      if (is_vehicle) vehicle.emplace_back("footprint", box);
+      config_.changes.push_back("LaserScanBoxFilter in " + frame +
+                                (is_vehicle
+                                     ? " became vehicle.footprint, at all heights and for all merged scans"
+                                     : " was left out; vehicle.footprint removes the vehicle"));
+    }
     return std::move(config_);
   }
 
@@ -82,28 +92,61 @@ class Importer {
     }
   }
 
+  /// Names the package of a node of a parameter file.
+  void identify(LaunchNode& node) {
+    if (!node.package.empty() || !node.type.empty()) return;
+    std::string word;
+    const MovedPackage* const package = package_of(node.name, node.parameters, word);
+    if (package == nullptr)
+      config_.stays.push_back(node.name + ": its parameters are not those of one driver that is known here");
+    else
+      node.package = word.empty() ? split_words(package->packages).back() : word;
+    if (word == "velodyne_transform" || word == "velodyne_convert") node.package = "velodyne_pointcloud";
+  }
+
   /// False for a node that reads topics of other nodes.
   bool import_node(const LaunchNode& node) {
     const std::string_view package = package_name(node);
-    if (package == "ira_laser_tools") return false;
-    const bool is_caller = node.type.empty() || node.type.find("sick_") == 0;
+    const auto is_type = [&](const char* part) {
+      return node.type.empty() || node.type.find(part) != std::string::npos;
+    };
+    if (package == "ira_laser_tools" || package == "cob_scan_unifier" ||
+        (package == "pointcloud_to_laserscan" && is_type("pointcloud_to_laserscan")) ||
+        (package == "laser_filters" && (is_type("scan_to_scan") || is_type("ScanToScan"))))
+      return false;
     if (package == "sick_safetyscanners") {
       add_sensor(node, safety_scanners_setup(node.parameters));
-    } else if (package == "urg_node") {
+    } else if (package == "urg_node" && (is_type("urg_node") || is_type("UrgNode"))) {
+      if (!has_value(node, "ip_address") && !has_value(node, "laser_ip_address")) throw ConfigError(serial);
       add_sensor(node, urg_node_setup(node.parameters));
-    } else if (package == "sick_scan_xd" && is_caller) {
+    } else if (package == "sick_scan_xd" && (is_type("sick_generic") || is_type("sick_scan"))) {
       add_sensor(node, sick_scan_setup(node.parameters));
+    } else if (package == "LMS1xx") {
+      add_sensor(node, lms1xx_setup(node.parameters));
+    } else if (package == "sick_tim") {
+      add_sensor(node, sick_tim_setup(node.type.empty() ? node.package : node.type, node.parameters));
+    } else if (package == "nebula") {
+      add_sensor(node, nebula_setup(node.parameters));
     } else if (package == "ros-drivers/velodyne") {
       add_velodyne(node);
     } else if (node.type == "static_transform_publisher") {
-      add_transform(node);
+      if (!poses_.add_publisher(node))
+        config_.changes.push_back(node.name +
+                                  ": arguments that make no transform; it stays in a launch file");
+    } else if (node.package == "hokuyo_node") {
+      throw ConfigError(serial);
     } else if (node.package == "lidard") {
-      config_.remarks.push_back(node.name + " is lidard with a configuration of its own, which stays");
-    } else if (node.package != "nodelet") {
-      config_.remarks.push_back(node.name + " (" + node.package + "/" + node.type +
-                                ") is no node of a lidar that is known here; it stays in a launch file");
+      config_.stays.push_back(node.name + " is lidard with a configuration of its own");
+    } else if (node.package != "nodelet" && !node.package.empty()) {
+      config_.stays.push_back(node.name + " (" + node.package + "/" + node.type +
+                              ") is no node of a lidar that is known here; it stays in a launch file");
     }
     return true;
+  }
+
+  static bool has_value(const LaunchNode& node, const char* name) {
+    const auto found = node.parameters.find(name);
+    return found != node.parameters.end() && !found->second.empty();
   }
 
   void remark(const LaunchNode& node, const DropinSetup& setup) {
@@ -112,15 +155,12 @@ class Importer {
   }
 
   std::string free_name(const LaunchNode& node, const char* end = "") {
-    const std::string name = entry_name(node.name.substr(node.name.rfind('/') + 1)) + end;
-    std::string unique = name;
-    for (int n = 2; !names_.insert(unique).second; ++n) unique = name + "_" + std::to_string(n);
-    return unique;
+    return unique_name(entry_name(node.name.substr(node.name.rfind('/') + 1)) + end, names_);
   }
 
   void add_sensor(const LaunchNode& node, DropinSetup setup) {
     remark(node, setup);
-    transforms_.insert(transforms_.end(), setup.transforms.begin(), setup.transforms.end());
+    for (const StaticTransform& one : setup.transforms) poses_.add_driver(node, one);
     for (auto& [name, value] : section(setup.keys, "sensors")) {
       auto& sensor = std::get<KeyMap>(value);
       for (const char* key : {"scan_topic", "points_topic", "packet_topic", "raw_topic",
@@ -147,13 +187,13 @@ class Importer {
     ++config_.entries;
   }
 
-  /// Two nodes may publish on one topic, two sensors may not: only the first sensor keeps a shared topic
-  /// beside the scan.
+  /// Two nodes may publish on one topic, two sensors may not: only the first sensor keeps a shared topic.
   void drop_shared_topics(const LaunchNode& node, KeyMap& entry) {
     for (const char* key :
-         {"raw_topic", "extended_scan_topic", "output_paths_topic", "cloud_destination_topic"}) {
+         {"scan_topic", "points_topic", "raw_topic", "extended_scan_topic", "output_paths_topic",
+          "cloud_destination_topic", "scan_destination_topic", "output_laser_topic"}) {
       const std::string topic = text_of(entry, key);
-      if (topic.empty() || side_topics_.insert(topic).second) continue;
+      if (topic.empty() || topics_.insert(topic).second) continue;
       erase_key(entry, key);
       config_.changes.push_back(node.name + ": " + key + " was left out, since another node publishes on " +
                                 topic + " too; name a topic of its own");
@@ -171,9 +211,14 @@ class Importer {
   /// Combines the driver, the transformation and the scan of a Velodyne to one sensor.
   void add_velodyne(const LaunchNode& node) {
     const bool has_driver = partner("velodyne_driver", node, "velodyne_packets") != nullptr;
+    const bool is_alone = node.package == "velodyne_laserscan"
+                              ? partner("velodyne_pointcloud", node, "velodyne_points") == nullptr
+                              : !has_driver && !has_value(node, "model");
+    if (is_alone) throw ConfigError("the file has no driver of this Velodyne; expected one, or ~model");
     if (node.package == "velodyne_laserscan" || (node.package == "velodyne_pointcloud" && has_driver)) return;
     NodeParameters parameters = node.parameters;
-    if (node.package == "velodyne_pointcloud") parameters.emplace("packet_topic", "velodyne_packets");
+    const bool is_fed = node.package == "velodyne_pointcloud";
+    if (is_fed) parameters.emplace("packet_topic", "velodyne_packets");
     const LaunchNode* const points =
         node.package == "velodyne_driver" ? partner("velodyne_pointcloud", node, "velodyne_packets") : &node;
     const LaunchNode* const scan =
@@ -182,197 +227,119 @@ class Importer {
       if (other != nullptr) parameters.insert(other->parameters.begin(), other->parameters.end());
     }
     DropinSetup setup = velodyne_node_setup(parameters);
+    if (is_fed)
+      setup.warnings.emplace_back("packets come from packet_topic: the file has no driver of the Velodyne");
     auto& sensor = std::get<KeyMap>(section(setup.keys, "sensors").front().second);
     if (scan == nullptr && !node.package.empty() && node.package != "velodyne_node") {
       for (const char* key : {"scan_ring", "scan_resolution", "scan_topic"}) erase_key(sensor, key);
     }
-    if (const auto file = text_of(sensor, "calibration"); is_table_of_model(file)) {
+    if (const auto file = text_of(sensor, "calibration"); is_table_of(text_of(sensor, "model"), file)) {
       erase_key(sensor, "calibration");
       setup.remarks.push_back("parameter ~calibration (" + file +
                               ") is the table that the model has here too");
     }
     for (const auto& capture : setup.replay.captures)
       setup.warnings.push_back("parameter ~pcap: `lidard replay -c THIS --pcap " + capture + "` plays it");
-    add_odometry(node, setup);
+    auto& vehicle = section(setup.keys, "vehicle");
+    const std::string fixed = text_of(vehicle, "odometry_frame");
+    if (const auto set = poses_.set_odometry(fixed, text_of(vehicle, "base_frame"));
+        set != fixed && !fixed.empty())
+      setup.warnings.push_back("parameter ~fixed_frame (" + fixed +
+                               ") has no effect: clouds are deskewed in " + set +
+                               ", the fixed_frame of another node");
     add_sensor(node, std::move(setup));
   }
 
-  /// Sets the odometry frame; a vehicle has only one.
-  void add_odometry(const LaunchNode& node, DropinSetup& setup) {
-    auto& vehicle = section(setup.keys, "vehicle");
-    const std::string frame = text_of(vehicle, "odometry_frame");
-    if (frame.empty()) return;
-    if (odometry_.empty()) odometry_ = frame, moved_ = text_of(vehicle, "base_frame");
-    if (odometry_ != frame)
-      config_.changes.push_back(node.name + ": parameter ~fixed_frame (" + frame +
-                                ") has no effect: clouds are deskewed in " + odometry_ +
-                                ", the fixed_frame of another node");
+  /// The sensor that publishes the topic, itself or through filters; nullptr: none.
+  std::pair<std::string, KeyValue>* publisher_of(const std::string& topic) {
+    const auto view = views_.find(topic);
+    for (auto& one : section(config_.keys, "sensors")) {
+      auto& sensor = std::get<KeyMap>(one.second);
+      if (view != views_.end() && view->second.first == one.first) return &one;
+      for (const char* key : {"scan_topic", "points_topic", "topic"}) {
+        if (text_of(sensor, key) == topic) return &one;
+      }
+    }
+    return nullptr;
   }
 
-  /// x y z yaw pitch roll, or x y z qx qy qz qw; parent child [period].
-  void add_transform(const LaunchNode& node) {
-    std::vector<double> numbers;
-    std::vector<std::string> frames;
-    for (const auto& word : node.arguments) {
-      const auto number = number_in<double>(word);
-      if (number && frames.empty())
-        numbers.push_back(*number);
-      else
-        frames.push_back(word.front() == '/' ? word.substr(1) : word);
+  /// The setup of a node that reads topics.
+  DropinSetup tool_setup(const LaunchNode& node) {
+    const std::string_view package = package_name(node);
+    const bool is_filter = package == "laser_filters";
+    if (is_filter || package == "pointcloud_to_laserscan") {
+      auto* const source = publisher_of(node.resolved(is_filter ? "scan" : "cloud_in"));
+      KeyMap sensor = source == nullptr ? KeyMap() : std::get<KeyMap>(source->second);
+      const std::string moved = text_of(sensor, "points_frame");
+      const std::string frame = moved.empty() ? text_of(sensor, "frame_id") : moved;
+      return is_filter ? scan_filters_setup(node.parameters, frame) : flat_scan_setup(node.parameters, frame);
     }
-    if ((numbers.size() != 6 && numbers.size() != 7) || frames.size() < 2) {
-      config_.changes.push_back(node.name + ": arguments that make no transform; it stays in a launch file");
-      return;
-    }
-    Pose pose = make_pose({numbers[0], numbers[1], numbers[2]}, {numbers[5], numbers[4], numbers[3]});
-    if (numbers.size() == 7) {
-      const Eigen::Quaterniond turn(numbers[6], numbers[3], numbers[4], numbers[5]);
-      pose.linear() = turn.normalized().toRotationMatrix();
-    }
-    // Before those that drivers publish if nobody forbids it: a frame has one parent.
-    transforms_.insert(transforms_.begin(), {frames[0], frames[1], pose});
-  }
-
-  /// The sensor that publishes the topic; empty: none.
-  std::string publisher_of(const std::string& topic) {
-    for (auto& [name, value] : section(config_.keys, "sensors")) {
-      auto& sensor = std::get<KeyMap>(value);
-      if (text_of(sensor, "scan_topic") == topic || text_of(sensor, "points_topic") == topic ||
-          text_of(sensor, "topic") == topic)
-        return name;
-    }
-    return {};
+    if (package == "cob_scan_unifier") return scan_unifier_setup(node.parameters);
+    const bool is_merger = node.type.find("merger") != std::string::npos ||
+                           (node.type.empty() && node.parameters.count("virtual_laser_scan") == 0);
+    return is_merger ? laser_merger_setup(node.parameters) : laser_virtualizer_setup(node.parameters);
   }
 
   void add_laser_tools(const LaunchNode& node) {
-    const bool is_merger = node.type.find("merger") != std::string::npos ||
-                           (node.type.empty() && node.parameters.count("virtual_laser_scan") == 0);
-    DropinSetup setup =
-        is_merger ? laser_merger_setup(node.parameters) : laser_virtualizer_setup(node.parameters);
+    DropinSetup setup = tool_setup(node);
     remark(node, setup);
-    if (base_.empty()) base_ = text_of(section(setup.keys, "vehicle"), "base_frame");
-    KeyList sources;
-    for (auto& [name, value] : section(setup.keys, "sensors")) {
-      const std::string topic = node.resolved(text_of(std::get<KeyMap>(value), "topic"));
-      std::string source = publisher_of(topic);
-      if (source.empty()) {
-        source = names_.insert(name).second ? name : free_name(node);
-        section(config_.keys, "sensors").emplace_back(source, KeyMap{{"topic", topic}});
-        ++config_.entries;
-      }
-      sources.emplace_back(source);
-    }
+    auto& vehicle = section(setup.keys, "vehicle");
+    poses_.set_base(text_of(vehicle, "base_frame"));
+    if (auto* const box = find_key(vehicle, "footprint")) boxes_[text_of(vehicle, "box_frame")] = *box;
+    const bool is_merger = find_key(setup.keys, "merged_scans") != nullptr;
     const char* const kind = is_merger ? "merged_scans" : "virtual_scans";
     auto& entry = std::get<KeyMap>(section(setup.keys, kind).front().second);
     for (const char* key : {"scan_destination_topic", "cloud_destination_topic", "output_laser_topic"}) {
       if (const auto topic = text_of(entry, key); !topic.empty())
         *find_key(entry, key) = node.resolved(topic);
     }
-    if (is_merger)
-      *find_key(entry, "laserscan_topics") = sources;
-    else
-      *find_key(entry, "cloud_topic") = sources.front();
+    KeyList sources;
+    KeyMap windows;
+    for (auto& [name, value] : section(setup.keys, "sensors")) {
+      const std::string topic = node.resolved(text_of(std::get<KeyMap>(value), "topic"));
+      const auto* const publisher = publisher_of(topic);
+      const std::string source = publisher != nullptr         ? publisher->first
+                                 : names_.insert(name).second ? name
+                                                              : free_name(node);
+      const bool is_output = publisher == nullptr && topics_.count(topic) > 0;
+      if (is_output && (!is_merger || cuts_.count(topic) == 0))
+        throw ConfigError("it reads " + topic + ", an output of a merged scan; it stays in a launch file");
+      if (publisher == nullptr && !is_output) {
+        section(config_.keys, "sensors").emplace_back(source, KeyMap{{"topic", topic}});
+        ++config_.entries;
+      }
+      sources.emplace_back(is_output ? topic : source);
+      KeyMap window = views_[topic].second;
+      if (auto* const own = find_key(entry, "window")) {
+        window = std::get<KeyMap>(*own);
+        views_[text_of(entry, "scan_destination_topic")] = {source, window};
+      }
+      if (!window.empty()) windows.emplace_back(source, window);
+    }
+    erase_key(entry, "window");
+    *find_key(entry, is_merger ? "laserscan_topics" : "cloud_topic") =
+        is_merger ? KeyValue(sources) : sources.front();
+    if (!windows.empty()) entry.emplace_back("source_settings", windows);
+    drop_shared_topics(node, entry);
+    if (!is_merger) cuts_.insert(text_of(entry, "output_laser_topic"));
     section(config_.keys, kind).emplace_back(free_name(node), std::move(entry));
     ++config_.entries;
   }
 
-  /// The pose of the frame in the base frame, through a chain of transforms.
-  std::optional<Pose> pose_of(std::string frame, std::string& root) {
-    Pose pose = Pose::Identity();
-    std::set<const StaticTransform*> chain;
-    root = frame;
-    for (std::size_t steps = 0; steps <= transforms_.size() && frame != base_; ++steps) {
-      const auto up = std::find_if(transforms_.begin(), transforms_.end(),
-                                   [&](const StaticTransform& one) { return one.child == frame; });
-      if (up == transforms_.end()) return std::nullopt;
-      pose = up->pose * pose;
-      chain.insert(&*up);
-      root = frame = up->parent;
-    }
-    if (frame != base_) return std::nullopt;
-    used_.merge(chain);
-    return pose;
-  }
-
-  /// Throws ConfigError where a frame hangs from itself: then nothing has a root.
-  void refuse_loops() const {
-    for (const StaticTransform& begin : transforms_) {
-      std::string chain = begin.child;
-      const StaticTransform* up = &begin;
-      for (std::size_t steps = 0; steps < transforms_.size(); ++steps) {
-        chain += " in " + up->parent;
-        if (up->parent == begin.child)
-          throw ConfigError("the static transforms form a loop: " + chain +
-                            "; expected one parent per frame");
-        const auto next = std::find_if(transforms_.begin(), transforms_.end(),
-                                       [&](const StaticTransform& one) { return one.child == up->parent; });
-        if (next == transforms_.end()) break;
-        up = &*next;
-      }
-    }
-  }
-
-  void place() {
-    refuse_loops();
-    if (!base_.empty() && base_.front() == '/') base_.erase(0, 1);
-    auto& sensors = section(config_.keys, "sensors");
-    std::string root;
-    for (auto& [name, value] : sensors) {
-      const std::string frame = without_slash(text_of(std::get<KeyMap>(value), "frame_id"));
-      if (base_.empty() && !pose_of(frame, root) && root != frame && root != odometry_) base_ = root;
-    }
-    if (base_.empty()) base_ = without_slash(moved_);
-    for (auto& [name, value] : sensors) {
-      auto& sensor = std::get<KeyMap>(value);
-      const std::string frame = without_slash(text_of(sensor, "frame_id"));
-      if (frame.empty() || frame == base_) continue;
-      if (const auto pose = pose_of(frame, root)) sensor.emplace_back("pose", *pose);
-    }
-    for (auto& [name, value] : section(config_.keys, "virtual_scans")) place_planes(std::get<KeyMap>(value));
-    report_unused_transforms();
-    if (!base_.empty()) section(config_.keys, "vehicle").emplace_back("base_frame", base_);
-    if (!odometry_.empty()) section(config_.keys, "vehicle").emplace_back("odometry_frame", odometry_);
-  }
-
-  /// Transforms that no sensor and no virtual scan hangs from.
-  void report_unused_transforms() {
-    std::map<std::string, std::string> owners;
-    for (auto& [name, sensor] : section(config_.keys, "sensors"))
-      owners.emplace(without_slash(text_of(std::get<KeyMap>(sensor), "frame_id")), "sensors." + name + ": ");
-    for (const StaticTransform& one : transforms_) {
-      if (used_.count(&one) > 0) continue;
-      const auto owner = owners.find(one.child);
-      (owner != owners.end() ? config_.changes : config_.remarks)
-          .push_back((owner != owners.end() ? owner->second : "") + "the pose of " + one.child + " in " +
-                     one.parent + " is not part of this configuration, whose base_frame is " + base_ +
-                     ": publish it on tf, " + yaml_text({{"pose", one.pose}}));
-    }
-  }
-
-  void place_planes(KeyMap& entry) {
-    KeyMap poses;
-    std::string root;
-    for (const KeyValue& frame : std::get<KeyList>(*find_key(entry, "virtual_laser_scan"))) {
-      const std::string name = without_slash(std::get<std::string>(frame));
-      if (const auto pose = pose_of(name, root)) poses.emplace_back(name, *pose);
-    }
-    if (!poses.empty()) entry.emplace_back("poses", poses);
-  }
-
-  const LaunchFile& launch_;
+  std::map<std::string, KeyValue> boxes_;  // corners by frames
+  LaunchFile launch_;
   ImportedConfig config_;
-  std::set<std::string> names_, side_topics_;
-  std::vector<StaticTransform> transforms_;
-  std::set<const StaticTransform*> used_;  // parts of a pose
-  std::string base_;
-  std::string odometry_, moved_;  // the fixed frame, and the frame of a sensor that moves in it
+  ImportPoses poses_;
+  std::set<std::string> names_, topics_, cuts_;  // of entries, of all outputs, of virtual scans
+  /// Filtered scans by their topics: the sensor, and the window that is left of it.
+  std::map<std::string, std::pair<std::string, KeyMap>> views_;
 };
 
 std::string file_text(const std::string& file, const ImportedConfig& config) {
   KeyMap filled;
   for (const char* name : {"vehicle", "sensors", "merged_scans", "virtual_scans"}) {
-    for (const auto& [section_name, value] : config.keys) {
-      if (section_name == name && !std::get<KeyMap>(value).empty()) filled.emplace_back(section_name, value);
+    for (const auto& one : config.keys) {
+      if (one.first == name && !std::get<KeyMap>(one.second).empty()) filled.push_back(one);
     }
   }
   std::string text =
@@ -385,14 +352,15 @@ std::string file_text(const std::string& file, const ImportedConfig& config) {
     }
   };
   add("\n# What changes for the robot:\n", config.changes);
-  add("\n# What is no longer needed, or stays as it is:\n", config.remarks);
+  add("\n# What stays in a launch file:\n", config.stays);
+  add("\n# What is no longer needed:\n", config.remarks);
   return text;
 }
 
 int import_file(const ImportOptions& options, std::ostream& err) {
   const ImportedConfig config = import_nodes(read_launch(options.file, options.arguments));
   if (config.entries == 0) {
-    for (const auto* list : {&config.changes, &config.remarks}) {
+    for (const auto* list : {&config.changes, &config.stays, &config.remarks}) {
       for (const auto& remark : *list) err << remark << '\n';
     }
     err << options.file << ": nothing in it can be imported; expected a node of";
@@ -407,8 +375,8 @@ int import_file(const ImportOptions& options, std::ostream& err) {
   file.close();
   parse_config(text, options.output == "-" ? "the configuration" : options.output);
   err << config.entries << (config.entries == 1 ? " entry" : " entries") << "; below the configuration "
-      << config.changes.size() << " on what changes for the robot, " << config.remarks.size()
-      << " on what is no longer needed\n";
+      << config.changes.size() << " on what changes for the robot, " << config.stays.size()
+      << " on what stays in a launch file, " << config.remarks.size() << " on what is no longer needed\n";
   return exit_ok;
 }
 

@@ -18,12 +18,13 @@ struct ImportOptions {
   bool tables = false;  ///< prints the tables of all parameters instead
 };
 
-/// A configuration equivalent to nodes of other packages. The lists contain every parameter and node without
-/// counterpart.
+/// A configuration equivalent to nodes of other packages. The lists contain every parameter, pose and node
+/// without counterpart.
 struct ImportedConfig {
   KeyMap keys;                       ///< by section
-  std::vector<std::string> changes;  ///< changes of behaviour
-  std::vector<std::string> remarks;  ///< parameters that are not needed, or stay unchanged
+  std::vector<std::string> changes;  ///< changes of outputs, poses and topics
+  std::vector<std::string> stays;    ///< nodes and transforms that are needed in a launch file as before
+  std::vector<std::string> remarks;  ///< parameters and nodes that are not needed
   std::size_t entries = 0;           ///< sensors, merged and virtual scans
 };
 

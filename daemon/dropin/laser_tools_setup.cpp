@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "core/base/angle.h"
 #include "core/base/number_text.h"
 #include "daemon/config/config.h"
 #include "daemon/config/key_tables.h"
@@ -24,13 +25,6 @@ std::vector<std::string> words_of(const std::string& list) {
     if (std::find(words.begin(), words.end(), word) == words.end()) words.push_back(std::move(word));
   }
   return words;
-}
-
-std::string free_name(const std::string& topic, std::set<std::string>& used) {
-  const std::string name = entry_name(topic);
-  std::string unique = name;
-  for (int n = 2; !used.insert(unique).second; ++n) unique = name + "_" + std::to_string(n);
-  return unique;
 }
 
 /// Adds the grid. Numbers are clamped to their limits as by dynamic_reconfigure; the result must be valid.
@@ -72,7 +66,7 @@ KeyMap sensors_of(const std::vector<std::string>& topics, std::vector<std::strin
     for (const std::string& other : topics) {
       if (other != topic) used.insert(other.front() == '/' ? other.substr(1) : other);
     }
-    names.push_back(free_name(topic, used));
+    names.push_back(unique_name(entry_name(topic), used));
     sensors.emplace_back(names.back(), KeyMap{{"topic", topic}});
   }
   return sensors;
@@ -84,6 +78,34 @@ std::vector<std::string> required_words(ParameterReader& reader, const char* nam
     throw ConfigError("parameter ~" + std::string(name) + " is empty; expected " + what +
                       " separated by blanks");
   return words;
+}
+
+/// Adds a filter of a chain to a merged scan, the window of its source and the vehicle. `in` begins the names
+/// of its parameters. False: it has no counterpart, or the chain has two of this kind.
+bool add_filter(const std::string& type, const std::string& in, ParameterReader& reader, KeyMap& entry,
+                KeyMap& window, KeyMap& vehicle) {
+  const auto has = [&](const char* key) { return find_key(window, key) != nullptr; };
+  const auto number = [&](const char* name, double missing) { return reader.number(in + name, missing); };
+  if (type == "ScanShadowsFilter") {
+    *find_key(entry, "veil_filter") = true;
+  } else if (type == "LaserScanRangeFilter" && !has("range_min")) {
+    window.emplace_back("range_min", std::max(0.0, number("lower_threshold", 0)));
+    window.emplace_back("range_max", std::clamp(number("upper_threshold", 10000), 0.0, 10000.0));
+  } else if (type.rfind("LaserScanAngularBoundsFilter", 0) == 0 && !has("angle_min")) {
+    // In place what lies between both is removed: the sector that stays begins at the upper one.
+    const bool in_place = type.find("InPlace") != std::string::npos;
+    window.emplace_back("angle_min", number(in_place ? "upper_angle" : "lower_angle", 0));
+    window.emplace_back("angle_max", number(in_place ? "lower_angle" : "upper_angle", 0));
+    if (!in_place) entry.insert(entry.end(), window.end() - 2, window.end());
+  } else if (type == "LaserScanBoxFilter" && !reader.flag(in + "invert") && vehicle.empty()) {
+    const double x = number("min_x", -1), y = number("min_y", -1), x2 = number("max_x", 1),
+                 y2 = number("max_y", 1);
+    vehicle = {{"footprint", KeyList{KeyList{x, y}, KeyList{x2, y}, KeyList{x2, y2}, KeyList{x, y2}}},
+               {"box_frame", reader.text(in + "box_frame", "base_link")}};
+  } else {
+    return false;
+  }
+  return true;
 }
 
 }  // namespace
@@ -129,6 +151,78 @@ DropinSetup laser_virtualizer_setup(const NodeParameters& parameters) {
                 {"sensors", std::move(sensors)},
                 {"virtual_scans", KeyMap{{"virtual_laser_scan", std::move(entry)}}}};
   reader.remark_on_rest(setup.warnings);
+  return setup;
+}
+
+DropinSetup scan_unifier_setup(const NodeParameters& parameters) {
+  DropinSetup setup;
+  ParameterReader reader(parameters);
+  std::vector<std::string> names;
+  KeyMap sensors = sensors_of(required_words(reader, "input_scans", "topics of LaserScans"), names);
+  const std::string frame = reader.text("frame", "base_link");
+  const double step = pi_d / 360;
+  KeyMap entry{{"laserscan_topics", key_value(names)},     {"destination_frame", frame},
+               {"scan_destination_topic", "scan_unified"}, {"angle_min", -pi_d + step / 100},
+               {"angle_max", pi_d - step / 100},           {"angle_increment", step}};
+  setup.warnings.emplace_back("a beam without return is +inf (theirs: range_max)");
+  setup.keys = {{"vehicle", KeyMap{{"base_frame", frame}}},
+                {"sensors", std::move(sensors)},
+                {"merged_scans", KeyMap{{"scan_unified", std::move(entry)}}}};
+  reader.remark_on_rest(setup.warnings);
+  return setup;
+}
+
+DropinSetup flat_scan_setup(const NodeParameters& parameters, const std::string& frame) {
+  DropinSetup setup;
+  ParameterReader reader(parameters);
+  std::string target = reader.text("target_frame", "");
+  if (target.empty()) target = frame;
+  if (target.empty())
+    throw ConfigError("parameter ~target_frame is empty, and the frame of the cloud is not in this file");
+  KeyMap entry{{"cloud_topic", ""}, {"virtual_laser_scan", KeyList{target}}, {"output_laser_topic", "scan"}};
+  constexpr std::pair<const char*, double> presets[] = {
+      {"min_height", 0},   {"max_height", 10000},           {"angle_min", -pi_d},
+      {"angle_max", pi_d}, {"angle_increment", pi_d / 180}, {"scan_time", 1.0 / 30}};
+  for (const auto& [name, preset] : presets) entry.emplace_back(name, reader.number(name, preset));
+  entry.emplace_back("empty", reader.flag("use_inf", "true") ? "inf" : "range_max_plus_one");
+  setup.warnings.emplace_back("a scan is stamped by its first ray (theirs: as the cloud)");
+  reader.move("pointcloud_to_laserscan", entry, setup);
+  setup.keys = {{"sensors", KeyMap{{"cloud_in", KeyMap{{"topic", "cloud_in"}}}}},
+                {"virtual_scans", KeyMap{{"scan", std::move(entry)}}}};
+  reader.remark_on_rest(setup.warnings);
+  return setup;
+}
+
+DropinSetup scan_filters_setup(const NodeParameters& parameters, const std::string& frame) {
+  if (frame.empty())
+    throw ConfigError(
+        "no sensor in this file has its scan; it stays in a launch file, `topic` reads its output");
+  DropinSetup setup;
+  KeyMap window, vehicle;
+  KeyMap entry{{"laserscan_topics", ""},
+               {"destination_frame", frame},
+               {"scan_destination_topic", "scan_filtered"},
+               {"veil_filter", false}};
+  NodeParameters limits;  // without .inf, which is none
+  for (const auto& one : parameters) {
+    if (one.second.find("inf") == std::string::npos) limits.insert(one);
+  }
+  ParameterReader reader(limits);
+  // read_launch.py numbers the elements of a list.
+  for (const auto& [key, value] : parameters) {
+    const std::size_t end = key.rfind("/type");
+    if (end == std::string::npos || end + 5 != key.size() || key.find("/params/") != std::string::npos)
+      continue;
+    const std::string type = value.substr(value.rfind('/') + 1);
+    if (!add_filter(type, key.substr(0, end) + "/params/", reader, entry, window, vehicle))
+      setup.warnings.push_back(type + " was left out: a merged scan has none (that of a sensor: `filter`)");
+  }
+  setup.warnings.emplace_back(
+      "beams are 0.25 degrees apart (angle_increment; theirs: as the sensor has them)");
+  entry.emplace_back("window", std::move(window));
+  setup.keys = {{"vehicle", std::move(vehicle)},
+                {"sensors", KeyMap{{"source", KeyMap{{"topic", "scan"}}}}},
+                {"merged_scans", KeyMap{{"scan_filtered", std::move(entry)}}}};
   return setup;
 }
 

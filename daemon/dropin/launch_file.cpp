@@ -78,13 +78,11 @@ LaunchFile read_launch(const std::string& file, const std::vector<std::string>& 
   if (!ended_well || json.is_discarded())
     throw std::runtime_error(file + ": " + python + " did not read it; apt install python3-yaml");
   LaunchFile launch;
-  if (json.contains("remarks")) json.at("remarks").get_to(launch.remarks);
-  if (json.contains("missing")) throw std::runtime_error(json.at("missing").get<std::string>());
-  if (json.contains("error")) {
-    std::string why = file + ": " + json.at("error").get<std::string>();
-    for (const auto& remark : launch.remarks) why += "\n" + remark;
-    throw ConfigError(why);
+  for (const auto& [name, list] : {std::pair("changes", &launch.changes), {"remarks", &launch.remarks}}) {
+    if (json.contains(name)) json.at(name).get_to(*list);
   }
+  if (json.contains("missing")) throw std::runtime_error(json.at("missing").get<std::string>());
+  if (json.contains("error")) throw ConfigError(file + ": " + json.at("error").get<std::string>());
   for (const auto& node : json.at("nodes")) launch.nodes.push_back(node_of(node));
   return launch;
 }

@@ -26,6 +26,7 @@ struct LaunchNode {
 /// The content of a launch file or a parameter file.
 struct LaunchFile {
   std::vector<LaunchNode> nodes;
+  std::vector<std::string> changes;  ///< parts that could not be read
   std::vector<std::string> remarks;  ///< about ignored parts
 };
 

@@ -7,7 +7,6 @@
 #include <cctype>
 #include <cmath>
 #include <cstdlib>
-#include <set>
 #include <sstream>
 #include <stdexcept>
 
@@ -78,6 +77,22 @@ constexpr const char table[] =
 #include "config/moving_over.tsv"
     ;
 
+bool is_name_of(std::string_view list, const std::string& name) {
+  const auto words = split_words(list);
+  return std::any_of(words.begin(), words.end(), [&](const std::string& one) {
+    return one.back() == '*' ? name.compare(0, one.size() - 1, one, 0, one.size() - 1) == 0 : one == name;
+  });
+}
+
+/// The word of the package that the node is called by, with or without _node; empty: none.
+std::string word_of(const MovedPackage& package, const std::string& node) {
+  const std::string name = lower(node.substr(node.rfind('/') + 1));
+  for (const std::string& word : split_words(package.packages)) {
+    if (name == lower(word) || name == lower(word) + "_node") return word;
+  }
+  return {};
+}
+
 /// The cells of a row; missing cells are empty.
 std::array<std::string_view, 6> cells_of(std::string_view row) {
   std::array<std::string_view, 6> cells;
@@ -94,7 +109,7 @@ std::vector<MovedPackage> read_table() {
     const std::string_view row = rest.substr(0, rest.find('\n'));
     rest.remove_prefix(std::min(rest.size(), row.size() + 1));
     const auto [kind, a, b, c, d, e] = cells_of(row);
-    if (kind == "package") packages.push_back({a, b, c, {}, {}});
+    if (kind == "package") packages.push_back({a, b, c, d, {}, {}});
     if (kind == "topic") packages.back().topics.push_back({a, b, c});
     if (kind != "parameter") continue;
     for (const Conversion& one : conversions) {
@@ -127,17 +142,26 @@ const MovedPackage& moved_package(std::string_view name) {
   throw std::out_of_range(std::string(name));
 }
 
-const MovedPackage* package_of(const NodeParameters& parameters) {
+const MovedPackage* package_of(const std::string& node, const NodeParameters& parameters, std::string& word) {
+  constexpr std::string_view common =
+      "frame_id angle_* range_* min_range max_range scan_time time_offset port skip intensity use_sim_time";
   const MovedPackage* best = nullptr;
-  std::size_t most = 0;
+  std::size_t most = 1;
   for (const MovedPackage& package : moved_packages()) {
-    std::set<std::string> names;
-    for (const auto& row : package.parameters) {
-      for (auto& name : split_words(row.names)) names.insert(std::move(name));
+    std::size_t signs = 0, unknown = 0;
+    bool has_needed = false;
+    for (const auto& one : parameters) {
+      const bool is_known = std::any_of(package.parameters.begin(), package.parameters.end(),
+                                        [&](const auto& row) { return is_name_of(row.names, one.first); });
+      has_needed = has_needed || is_name_of(package.needed, one.first);
+      if (is_name_of(common, one.first)) continue;
+      ++(is_known ? signs : unknown);
     }
-    const auto known = static_cast<std::size_t>(std::count_if(
-        parameters.begin(), parameters.end(), [&](const auto& one) { return names.count(one.first) != 0; }));
-    if (known > most) most = known, best = &package;
+    const std::string called = word_of(package, node);
+    if (!called.empty()) return word = called, unknown > signs ? nullptr : &package;
+    if (!has_needed || unknown > signs || signs < most) continue;
+    best = signs == most ? nullptr : &package;  // several packages, or a single sign
+    most = signs;
   }
   return best;
 }
@@ -162,6 +186,22 @@ KeyValue* find_key(KeyMap& map, std::string_view key) {
   return found == map.end() ? nullptr : &found->second;
 }
 
+std::string text_of(KeyMap& map, std::string_view key) {
+  const KeyValue* const value = find_key(map, key);
+  const auto* const text = value == nullptr ? nullptr : std::get_if<std::string>(value);
+  return text == nullptr ? std::string() : *text;
+}
+
+void erase_key(KeyMap& map, std::string_view key) {
+  map.erase(std::remove_if(map.begin(), map.end(), [&](const auto& one) { return one.first == key; }),
+            map.end());
+}
+
+KeyMap& section(KeyMap& keys, const std::string& name) {
+  if (find_key(keys, name) == nullptr) keys.emplace_back(name, KeyMap());
+  return std::get<KeyMap>(*find_key(keys, name));
+}
+
 std::string entry_name(const std::string& topic) {
   std::string name;
   for (const char c : topic) {
@@ -170,6 +210,12 @@ std::string entry_name(const std::string& topic) {
   }
   if (name.empty() || std::isalpha(static_cast<unsigned char>(name.front())) == 0) name.insert(0, "scan_");
   return name;
+}
+
+std::string unique_name(const std::string& name, std::set<std::string>& used) {
+  std::string unique = name;
+  for (int n = 2; !used.insert(unique).second; ++n) unique = name + "_" + std::to_string(n);
+  return unique;
 }
 
 KeyValue copied(const std::string& value) { return value.empty() ? KeyValue() : KeyValue(value); }
@@ -218,16 +264,20 @@ bool ParameterReader::flag(const std::string& name, const std::string& missing) 
 }
 
 void ParameterReader::report_without_counterpart(const MovedParameter& row, DropinSetup& setup) {
+  constexpr std::size_t most = 6, longest = 40;  // what a reader looks at; a parameter may be a long list
   std::string given;
-  int count = 0;
+  std::size_t count = 0;
   bool idle = true;
   for (const std::string& name : given_names(row.names)) {
     const auto value = find(name);
     if (!value) continue;
-    given.append(count++ == 0 ? "~" : ", ~").append(name + " (" + (value->empty() ? "empty" : *value) + ")");
     idle = idle && is_idle(*value, row.idle);
+    if (++count > most) continue;
+    const std::string text = value->size() > longest ? value->substr(0, longest) + "..." : *value;
+    given.append(count == 1 ? "~" : ", ~").append(name + " (" + (text.empty() ? "empty" : text) + ")");
   }
   if (count == 0) return;
+  if (count > most) given += " and " + std::to_string(count - most) + " more";
   (idle ? setup.remarks : setup.warnings)
       .push_back((count == 1 ? "parameter " + given + " has" : "parameters " + given + " have") +
                  " no effect: " + std::string(row.remark));

@@ -4,6 +4,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -50,14 +51,16 @@ struct MovedPackage {
   std::string_view name;
   std::string_view packages;  ///< names in launch files and of lidard's executables, separated by blanks
   std::string_view source;    ///< source of the lists of parameters and topics
+  std::string_view needed;    ///< parameters of which a parameter file of the package has one
   std::vector<MovedParameter> parameters;
   std::vector<MovedTopic> topics;
 };
 const std::vector<MovedPackage>& moved_packages();
 /// The package of that name; throws std::out_of_range if there is none.
 const MovedPackage& moved_package(std::string_view name);
-/// The package with most of the parameters; nullptr: no package has any.
-const MovedPackage* package_of(const NodeParameters& parameters);
+/// The package of a parameter file's node: by its name, or by two of its parameters that few drivers have.
+/// nullptr: not known, or contradictory. `word` becomes the package's word that the node is called by.
+const MovedPackage* package_of(const std::string& node, const NodeParameters& parameters, std::string& word);
 
 /// The tables of all packages, as in config/doc/moving_over.md.
 std::string moved_markdown();
@@ -93,9 +96,16 @@ class ParameterReader {
 
 /// The value of a key; nullptr: it is not there.
 KeyValue* find_key(KeyMap& map, std::string_view key);
+/// The text of a key; empty: it has none.
+std::string text_of(KeyMap& map, std::string_view key);
+void erase_key(KeyMap& map, std::string_view key);
+/// The section of that name, which is added if it is missing.
+KeyMap& section(KeyMap& keys, const std::string& name);
 
 /// Converts a topic to the name of an entry in a configuration.
 std::string entry_name(const std::string& topic);
+/// The name, with a number where it is used already; the result is used then.
+std::string unique_name(const std::string& name, std::set<std::string>& used);
 
 /// Converts text to the value of a key; empty: not set.
 KeyValue copied(const std::string& value);
@@ -122,5 +132,14 @@ DropinSetup safety_scanners_setup(const NodeParameters& parameters);
 DropinSetup urg_node_setup(const NodeParameters& parameters);
 /// Translates the parameters of sick_generic_caller of sick_scan_xd.
 DropinSetup sick_scan_setup(const NodeParameters& parameters);
+/// The same for LMS1xx_node, the node `type` of sick_tim, nebula's Velodyne nodes, scan_unifier_node of
+/// cob_scan_unifier, scan_to_scan_filter_chain for a sensor in `frame`, and pointcloud_to_laserscan, where
+/// `frame` stands in for an empty target_frame.
+DropinSetup lms1xx_setup(const NodeParameters& parameters);
+DropinSetup sick_tim_setup(const std::string& type, const NodeParameters& parameters);
+DropinSetup nebula_setup(const NodeParameters& parameters);
+DropinSetup scan_unifier_setup(const NodeParameters& parameters);
+DropinSetup scan_filters_setup(const NodeParameters& parameters, const std::string& frame);
+DropinSetup flat_scan_setup(const NodeParameters& parameters, const std::string& frame);
 
 }  // namespace lidard

@@ -9,7 +9,7 @@ DropinSetup safety_scanners_setup(const NodeParameters& parameters) {
   DropinSetup setup;
   ParameterReader reader(parameters);
   KeyMap sensor{{"model", "sick_microscan3"}};
-  setup.remarks.emplace_back(
+  setup.warnings.emplace_back(
       "sick_safetyscanners does not distinguish microScan3, nanoScan3 and outdoorScan3; change "
       "model where it is another one: limits of ranges differ");
   const std::string host = reader.text("host_ip", "192.168.1.9");

@@ -73,10 +73,25 @@ void place_sensor(ParameterReader& reader, std::string& frame, DropinSetup& setu
     setup.warnings.push_back("parameter ~add_transform_xyz_rpy is part of the pose of " + frame +
                              ": it moves the scan with the cloud, while sick_scan_xd moved the cloud alone");
   if (rate > 0) setup.transforms.push_back({base, frame, mounted * moved});
-  if (rate > 0 && base == "map")
-    setup.remarks.emplace_back(
-        "vehicle.base_frame is map, which is where sick_scan_xd hangs a sensor unless told "
-        "otherwise; the frame of a vehicle is wanted there");
+}
+
+/// The topic of the first whole cloud in x, y and z of ~custom_pointclouds; reports those that are not
+/// published.
+std::string custom_cloud(ParameterReader& reader, DropinSetup& setup) {
+  std::string first, others;
+  for (const std::string& name : split_words(reader.text("custom_pointclouds", ""))) {
+    const std::string properties = " " + reader.text(name, "") + " ";
+    const auto has = [&](const char* one) { return properties.find(one) != std::string::npos; };
+    if (has(" publish=0 ")) continue;
+    const std::size_t at = properties.find(" topic=") + 7;
+    const std::string topic = has(" topic=") ? properties.substr(at, properties.find(' ', at) - at) : name;
+    const bool is_first = first.empty() && !has(" coordinateNotation=1 ") && !has(" updateMethod=1 ");
+    (is_first ? first : others) += (is_first || others.empty() ? "" : ", ") + topic;
+  }
+  if (!others.empty())
+    setup.warnings.push_back("clouds of ~custom_pointclouds that are not published: " + others +
+                             (first.empty() ? "" : "; all returns are on " + first));
+  return first;
 }
 
 /// Drops a login with only one of its parameters: sick_scan_xd uses the device's default then.
@@ -86,6 +101,15 @@ void pair_login(KeyMap& sensor, DropinSetup& setup) {
   sensor.erase(std::remove_if(sensor.begin(), sensor.end(), is_login), sensor.end());
   setup.warnings.emplace_back(
       "one of ~user_level and ~user_level_password alone was left out: both are needed");
+}
+
+/// Parameters of a driver that came before sick_scan_xd, without the transforms and the cloud of the latter.
+NodeParameters older_parameters(NodeParameters parameters, const char* scanner_type,
+                                const char* port = "2112") {
+  parameters["scanner_type"] = scanner_type;
+  parameters["tf_publish_rate"] = "0";
+  parameters.insert({{"port", port}, {"frame_id", "laser"}, {"cloud_topic", ""}});
+  return parameters;
 }
 
 }  // namespace
@@ -103,6 +127,9 @@ DropinSetup sick_scan_setup(const NodeParameters& parameters) {
     setup.remarks.emplace_back("port is not taken over: an LRS4000 is read from its port for measured data");
   else if (model.transport == Transport::tcp && !port.empty())
     sensor.emplace_back("ip_port", port);
+  if (type.ours == "sick_picoscan150")
+    setup.warnings.emplace_back(
+        "model is to be changed for a picoScan120, which sick_scan_xd does not distinguish");
   std::string frame = reader.text("frame_id", reader.text("publish_frame_id", "cloud"));
   if (!frame.empty() && frame.front() == '/') frame.erase(0, 1);
   if (frame.empty()) frame = "cloud";
@@ -112,9 +139,11 @@ DropinSetup sick_scan_setup(const NodeParameters& parameters) {
       reader.text("publish_laserscan_fullframe_topic", reader.text("laserscan_topic", "scan"));
   sensor.emplace_back("scan_topic", scan);
   const bool is_planar = model.kind == FrameKind::scan;
-  // Clouds of a picoScan have other topics (custom_pointclouds).
-  const bool has_usual_cloud = !is_planar || model.transport == Transport::tcp;
-  const std::string cloud = reader.text("cloud_topic", has_usual_cloud ? "cloud" : "");
+  // Clouds of a picoScan and a multiScan have topics of their own.
+  const bool has_custom_clouds = model.transport != Transport::tcp;
+  const std::string custom = has_custom_clouds ? custom_cloud(reader, setup) : "";
+  const bool has_cloud = !is_planar || !has_custom_clouds;
+  const std::string cloud = reader.text("cloud_topic", custom.empty() && has_cloud ? "cloud" : custom);
   if (!is_planar) sensor.emplace_back("points_topic", cloud);
   reader.move("sick_scan_xd", sensor, setup);
   // sick_scan_xd writes the settings of the device.
@@ -128,6 +157,30 @@ DropinSetup sick_scan_setup(const NodeParameters& parameters) {
                                                             {"destination_frame", frame},
                                                             {"cloud_destination_topic", cloud}}}});
   reader.remark_on_rest(setup.warnings);
+  return setup;
+}
+
+DropinSetup lms1xx_setup(const NodeParameters& parameters) {
+  NodeParameters ours = older_parameters(parameters, "sick_lms_1xx", "2111");
+  const auto host = ours.insert({"host", "192.168.1.2"}).first->second;
+  ours["hostname"] = host;
+  if (ours["publish_2nd_pulse"] == "true") ours["host_FREchoFilter"] = "1";
+  for (const char* name : {"host", "publish_2nd_pulse", "publish_min_range_as_inf"}) ours.erase(name);
+  DropinSetup setup = sick_scan_setup(ours);
+  setup.warnings.emplace_back("a beam without return is +inf (theirs: 0.0)");
+  return setup;
+}
+
+DropinSetup sick_tim_setup(const std::string& type, const NodeParameters& parameters) {
+  const bool is_mrs = type.find("mrs1000") != std::string::npos;
+  if ((!is_mrs && type.find("tim5") == std::string::npos) || parameters.count("hostname") == 0)
+    throw ConfigError(type + " of sick_tim reads the scanner over USB here, which lidard does not; " +
+                      "expected a scanner with Ethernet, its address in ~hostname");
+  NodeParameters ours = parameters;
+  if (is_mrs) ours.emplace("cloud_topic", "cloud");
+  DropinSetup setup = sick_scan_setup(older_parameters(ours, is_mrs ? "sick_mrs_1xxx" : "sick_tim_5xx"));
+  // sick_tim starts the scanner's stream and writes no settings.
+  erase_key(std::get<KeyMap>(section(setup.keys, "sensors").front().second), "allow_write");
   return setup;
 }
 

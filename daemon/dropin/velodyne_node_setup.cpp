@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "core/base/angle.h"
 #include "daemon/config/config.h"
@@ -18,6 +19,9 @@ constexpr std::pair<const char*, const char*> model_names[] = {
     {"VLP16", "velodyne_vlp16"},         {"32C", "velodyne_vlp32c"},      {"32E", "velodyne_hdl32e"},
     {"VLS128", "velodyne_vls128"},       {"64E", "velodyne_hdl64e_s1"},   {"64E_S2", "velodyne_hdl64e_s2"},
     {"64E_S2.1", "velodyne_hdl64e_s21"}, {"64E_S3", "velodyne_hdl64e_s3"}};
+
+const std::map<std::string, std::string> nebula_models{
+    {"VLP16", "velodyne_vlp16"}, {"VLP32", "velodyne_vlp32c"}, {"VLS128", "velodyne_vls128"}};
 
 std::string model_of(const std::string& given, const std::string& calibration) {
   const std::string file = calibration.substr(calibration.rfind('/') + 1);
@@ -122,6 +126,24 @@ DropinSetup velodyne_node_setup(const NodeParameters& parameters) {
     setup.keys.emplace_back("vehicle", std::move(vehicle));
   reader.move("ros-drivers/velodyne", sensor, setup);
   setup.keys.emplace_back("sensors", KeyMap{{"velodyne", std::move(sensor)}});
+  reader.remark_on_rest(setup.warnings);
+  return setup;
+}
+
+DropinSetup nebula_setup(const NodeParameters& parameters) {
+  DropinSetup setup;
+  ParameterReader reader(parameters);
+  const std::string model = reader.text("sensor_model", "");
+  const auto found = nebula_models.find(model);
+  if (found == nebula_models.end())
+    throw ConfigError("parameter ~sensor_model is '" + model +
+                      "', which lidard does not support; expected VLP16, VLP32 or VLS128");
+  KeyMap sensor{{"model", found->second}, {"frame_id", as_frame(reader.text("frame_id", "velodyne"))}};
+  sensor.emplace_back("cut_angle", reader.number("scan_phase", 0) * pi_d / 180);
+  reader.move("nebula", sensor, setup);
+  sensor.emplace_back("points_topic", "velodyne_points");
+  setup.warnings.emplace_back("the cloud has the fields x y z intensity ring time (theirs has more)");
+  setup.keys = {{"sensors", KeyMap{{"velodyne", std::move(sensor)}}}};
   reader.remark_on_rest(setup.warnings);
   return setup;
 }

@@ -3,6 +3,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """`lidard import`: launch files of the form that five packages have become configurations that `lidard check` takes."""
 import os
+import shutil
 
 import yaml
 
@@ -235,7 +236,7 @@ def upside_down(tmp):
     merged, = config["merged_scans"].values()
     expect(merged == {"laserscan_topics": [name], "destination_frame": "cloud", "cloud_destination_topic": "/cloud"}, merged)
     changes = [line for line in changes_of(file) if line]
-    expect(len(changes) == 1 and "add_transform_xyz_rpy" in changes[0], changes)
+    expect(len(changes) == 2 and "add_transform_xyz_rpy" in changes[0] and "base_frame is map" in changes[1], changes)
     # With a mount, and where another node publishes the frame.
     mounted = UPSIDE_DOWN.replace("map", "base_link").replace('xyz_rpy" type="string" value="0,0,0,0,0,0"',
                                                               'xyz_rpy" type="string" value="1,0,0.5,0,0,1.5707963267948966"')
@@ -329,6 +330,88 @@ def parameter_files(tmp):
     expect(config["sensors"]["lidar"]["model"] == "sick_microscan3", config)
 
 
+DESCRIPTION = """<robot name="amr"><link name="base_link"/><link name="front"/><link name="rear"/><link name="arm"/>
+<joint name="a" type="fixed"><parent link="base_footprint"/><child link="base_link"/><origin xyz="0 0 0.1"/></joint>
+<joint name="b" type="fixed"><parent link="base_link"/><child link="front"/><origin xyz="0.4 0.25 0.2" rpy="3.14159265 0 0.785398"/></joint>
+<joint name="c" type="fixed"><parent link="base_link"/><child link="rear"/><origin rpy="0 0 -2.356194"/></joint>
+<joint name="d" type="continuous"><parent link="base_link"/><child link="arm"/><origin xyz="9 9 9"/></joint></robot>"""
+
+
+def description(tmp):
+    """Fixed joints of robot_description are poses, however it comes to the parameter; no other program than xacro is run."""
+    urdf = written(tmp, "robot/urdf/amr.urdf", DESCRIPTION)
+    written(tmp, "robot/package.xml", "<package><name>robot</name></package>")
+    xacro = written(tmp, "bin/xacro", f"#!/bin/sh\necho \"$@\" > {tmp}/xacro_was_run\nexec cat {urdf}\n")
+    xacro.chmod(0o755)
+    scanners = "".join(f"<node pkg='urg_node' type='urg_node' name='{name}' ns='{name}'><param name='ip_address' value='192.168.0.1{n}'/>"
+                       f"<param name='frame_id' value='{name}'/></node>" for n, name in enumerate(("front", "rear", "arm")))
+    launch = f"<launch><param name='robot_description' %s/><node pkg='robot_state_publisher' type='robot_state_publisher' name='rsp'/>{scanners}</launch>"
+    path = {**os.environ, "PATH": f"{tmp}/bin:{os.environ['PATH']}"}
+    for name, source in (("text", f"textfile='{urdf}'"), ("find", "textfile='$(find robot)/urdf/amr.urdf'"), ("cat", f"command='cat {urdf}'"),
+                         ("xacro", "command='$(find xacro)/xacro --inorder $(find robot)/urdf/amr.urdf lidar:=two'")):
+        file = written(tmp, f"robot/launch/{name}.launch", launch % source)
+        result = run("import", file, "-o", file.with_suffix(".yaml"), env=path)
+        expect(result.returncode == 0, f"{name}: {result.stderr}")
+        config = yaml.safe_load(file.with_suffix(".yaml").read_text())
+        expect(config["vehicle"]["base_frame"] == "base_link", config)
+        front, rear = (config["sensors"][one]["pose"] for one in ("front", "rear"))
+        expect(front["xyz"] == [0.4, 0.25, 0.2] and abs(abs(front["rpy_deg"][0]) - 180) < 1e-4 and abs(front["rpy_deg"][2] - 45) < 1e-4, front)
+        expect(rear["xyz"] == [0, 0, 0] and abs(rear["rpy_deg"][2] + 135) < 1e-4, rear)
+        expect("pose" not in config["sensors"]["arm"], "the pose of a joint that moves comes from tf")
+    expect((tmp / "xacro_was_run").read_text().split()[1:] == [str(urdf), "lidar:=two"], "xacro gets its arguments")
+    file = written(tmp, "program.launch", launch % f"command='touch {tmp}/was_run'")
+    imported(file)
+    one_with(changes_of(file), "robot_description", "was not run")
+    expect(not (tmp / "was_run").exists(), "a program was run")
+    file = written(tmp, "no_xacro.launch", launch % f"command='/nowhere/xacro {urdf}'")
+    if shutil.which("xacro") is None:
+        imported(file)
+        one_with(changes_of(file), "robot_description", "install xacro")
+    file = written(tmp, "broken.launch", launch % "value='&lt;robot&gt;&lt;joint'")
+    imported(file)
+    one_with(changes_of(file), "robot_description", "stay with tf")
+
+
+def without_packages(tmp):
+    """Debian has no velodyne_pointcloud: lidard's launch files stand in. The first words about another package are the reason."""
+    bare = {**os.environ, "ROS_PACKAGE_PATH": ""}
+    include = "<launch><group ns='roof'><include file='$(find %s)/launch/%s'><arg name='device_ip' value='192.168.1.202'/>%s</include></group></launch>"
+    args = "<arg name='port' value='2369'/><arg name='frame_id' value='left'/><arg name='manager' value='m'/>"
+    for name, model in (("VLP16", "vlp16"), ("VLP-32C", "vlp32c"), ("32e", "hdl32e"), ("VLS128", "vls128")):
+        file = written(tmp, f"bare/{name}.launch", include % ("velodyne_pointcloud", f"{name}_points.launch", args))
+        result = run("import", file, "-o", file.with_suffix(".yaml"), env=bare)
+        expect(result.returncode == 0, result.stderr)
+        sensor, = yaml.safe_load(file.with_suffix(".yaml").read_text())["sensors"].values()
+        wanted = {"model": f"velodyne_{model}", "ip_address": "192.168.1.202", "ip_port": 2369, "frame_id": "left", "points_topic": "/roof/velodyne_points"}
+        expect({key: sensor[key] for key in wanted} == wanted, sensor)
+        expect("in its place" in file.with_suffix(".yaml").read_text(), "it is said")
+    for package, name in (("velodyne_pointcloud", "cloud_nodelet.launch"), ("another_robot", "base.launch")):
+        result = run("import", written(tmp, "bare/missing.launch", include % (package, name, "")), env=bare)
+        first = result.stderr.splitlines()[0]
+        expect(result.returncode == 78 and f"missing.launch: package {package} is neither installed" in first and name in first, result.stderr)
+    ros2 = "<launch><node pkg='velodyne_driver' exec='velodyne_driver_node' name='d'/></launch>"
+    for name, text in (("two.launch.xml", ros2), ("two.launch.py", "import launch\n")):
+        result = run("import", written(tmp, name, text))
+        expect(result.returncode == 78 and "ROS 2" in result.stderr, f"{name}: {result.stderr}")
+
+
+def clouds_of_a_picoscan(tmp):
+    """The first whole cloud in x, y and z keeps its topic; what is long is shortened."""
+    properties = "topic=/%s frameid=world publish=1 layers=1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16 coordinateNotation=%d updateMethod=%d"
+    clouds = {"segments": (0, 1), "polar": (1, 0), "whole": (0, 0), "second": (0, 0)}
+    more = "".join(f"<param name='{name}' value='{properties % (name, *kind)}'/>" for name, kind in clouds.items())
+    more += "".join(f"<param name='cloud_polar_{n}' value='{properties % ('x', 1, 1)}'/>" for n in range(12))
+    for scanner, place in (("sick_picoscan", "merged_scans"), ("sick_multiscan", "sensors")):
+        file = written(tmp, f"{scanner}.launch", f"<launch><node name='s' pkg='sick_scan_xd' type='sick_generic_caller'><param name='scanner_type' value='{scanner}'/>"
+                       f"<param name='custom_pointclouds' value='{' '.join(clouds)}'/><param name='sopas_tcp_port' value='2111'/>{more}</node></launch>")
+        config, remarks = imported(file)
+        entry, = config[place].values()
+        expect(entry.get("cloud_destination_topic", entry.get("points_topic")) == "/whole", config)
+        one_with(changes_of(file), "not published", "/segments, /polar, /second", "/whole")
+        one_with(remarks, "~sopas_tcp_port (2111)", "settings are asked for")
+        expect(max(map(len, remarks)) < 700, max(remarks, key=len))
+
+
 def mistakes(tmp):
     for name, text, code, words in (
             ("none.launch", "<launch><node pkg='rviz' type='rviz' name='r'/></launch>", 1, ("nothing in it", "urg_node")),
@@ -354,6 +437,7 @@ def without_roslaunch(tmp):
 
 
 with folder() as tmp:
-    for step in (safety_scanners, sick_scan, upside_down, own_nodes, urg_node, velodyne, laser_tools, parameter_files, mistakes, without_roslaunch):
+    for step in (safety_scanners, sick_scan, upside_down, own_nodes, urg_node, velodyne, laser_tools, parameter_files, description, without_packages,
+                 clouds_of_a_picoscan, mistakes, without_roslaunch):
         step(tmp)
         print(f"{step.__name__}: fine")

@@ -120,7 +120,7 @@ std::string sample_of(const std::string& name) {
       "cluster 2 skip 3 max_range 50 ring 2 laserscan_ring 2 resolution 0.01 laserscan_resolution 0.01 "
       "host_FREchoFilter 1 cloud_destination_topic other scan_destination_topic other cloud_topic "
       "other laserscan_topic other output_laser_topic other publish_laserscan_fullframe_topic other "
-      "tf_base_frame_id a_frame");
+      "tf_base_frame_id a_frame custom_pointclouds fog");
   if (name == "virtual_laser_scan") return "c d";
   if (name == "laserscan_topics") return "/c /d";
   for (std::size_t i = 0; i < samples.size(); i += 2) {
@@ -182,7 +182,7 @@ TEST(Moving, AParameterWithAKeyChangesTheConfigurationAndOneWithoutIsTold) {
 
 TEST(Moving, EachRowOfTheTableIsRead) {
   std::ifstream table(test::project_file("config/moving_over.tsv"));
-  const std::map<std::string, std::ptrdiff_t> tabs{{"package", 3}, {"parameter", 5}, {"topic", 3}};
+  const std::map<std::string, std::ptrdiff_t> tabs{{"package", 4}, {"parameter", 5}, {"topic", 3}};
   std::size_t rows = 0, read = 0;
   for (std::string row; std::getline(table, row);) {
     const auto kind = tabs.find(row.substr(0, row.find('\t')));
