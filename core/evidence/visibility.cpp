@@ -186,7 +186,7 @@ BeamState Visibility::decide(std::size_t beam) {
   }
   if (!walk.has_hit) return walk.covered ? BeamState::free : BeamState::unobserved;
   if (!walk.covered) return BeamState::gap;
-  return walk.is_free() || walk.end <= 0 ? BeamState::hit : BeamState::behind;
+  return walk.is_free() || walk.end <= rounding ? BeamState::hit : BeamState::behind;
 }
 
 void Visibility::encode(Profile profile, PlanarScan& scan, bool with_intensities) const {
