@@ -299,10 +299,11 @@ void Outlines::add_inner_side(std::size_t first, std::size_t end, bool closed) {
   std::size_t drawn = end - 1;
   for (std::size_t k = end - 1; k > first + stride; k -= stride) {
     const Beam& next = beam(k - stride);
+    const Beam& last = beam(drawn);
     const auto same = [&](std::size_t other) {
-      return std::fabs(beam(drawn).from - beam(other).from) <= same_border * beam(drawn).from;
+      return std::fabs(last.from - beam(other).from) <= same_border * last.from;
     };
-    const bool near = static_cast<float>(drawn - k) * step_ < border_step;
+    const bool near = std::fabs(last.ux * next.uy - last.uy * next.ux) < border_step;
     if (begins_later && near && same(k - 1) && same(k - 2)) continue;
     if (begins_later) lead_along_border(beam(k), next, lead_to);
     lead_to(add_vertex(next.bx, next.by));
