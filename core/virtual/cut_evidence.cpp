@@ -202,7 +202,9 @@ bool CutEvidence::find_column(std::size_t column) {
 /// `next`: the neighbour of the last crossing ring, or `last` itself if nothing is known of the neighbour.
 void CutEvidence::end_piece(std::size_t first, std::size_t last, std::size_t next, End thing) {
   const bool crosses_too = next == last || (marks_[next] & crosses) != 0;
-  const End end = crosses_too ? End{crossings_[next], false} : end_at(next);
+  End end = crosses_too ? End{crossings_[next], false} : end_at(next);
+  // The last ring passed beneath an object that is nearer than its crossing.
+  end.at = std::max(end.at, crossings_[last]);
   const bool ended = next != last && thing.at < end.at;
   End free_end = ended ? End{std::max(crossings_[last], thing.at), true} : end;
   if (free_end.at > farthest_) free_end = {farthest_, true};

@@ -121,7 +121,11 @@ class ColumnScene {
     for (std::size_t k = 0; k < grid_.rings(); ++k) {
       const std::size_t i = grid_.index(c, sign_ > 0 ? k : grid_.rings() - 1 - k);
       const BeamEnd& e = grid_.ends[i];
-      if (k == 0) column.azimuth = std::atan2(static_cast<double>(e.y), static_cast<double>(e.x));
+      if (grid_.kind[i] == Beam::unknown) {
+        crosses_before = false;
+        continue;
+      }
+      column.azimuth = std::atan2(static_cast<double>(e.y), static_cast<double>(e.x));
       const double end = std::hypot(static_cast<double>(e.x), static_cast<double>(e.y));
       const double drop = -sign_ * static_cast<double>(e.z);  // towards the plane
       const bool crosses = drop > above_, hits = grid_.kind[i] == Beam::point;
