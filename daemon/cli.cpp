@@ -98,7 +98,7 @@ struct Commands {
     c->callback([this] { action = [this] { return run_daemon(config, ros_arguments, std::cerr); }; });
   }
   void add_replay() {
-    auto* c = app.add_subcommand("replay", "The same pipeline on captures");
+    auto* c = app.add_subcommand("replay", "The same pipeline on captures and bags");
     c->add_option("-c,--config", replay.config, "Configuration file; default: the sensors found");
     add_captures(c, replay.captures);
     c->add_option("--rate", rate, "Of the recorded pace, or max")->capture_default_str();
@@ -142,7 +142,7 @@ struct Commands {
     c->callback([this] { action = [this] { return start_decode(); }; });
   }
   void add_inspect() {
-    auto* c = app.add_subcommand("inspect", "Which sensors are in a capture");
+    auto* c = app.add_subcommand("inspect", "Which sensors are in a capture or a bag");
     add_captures(c, captures);
     c->add_flag("--json", json, "For scripts");
     c->callback([this] { action = [this] { return run_inspect(captures, json, std::cout, std::cerr); }; });

@@ -11,6 +11,7 @@
 #include "daemon/config/reading.h"
 #include "daemon/files/snapshot_view.h"
 #include "daemon/files/text_file.h"
+#include "daemon/ros/in/bag_topics.h"
 
 namespace lidard {
 namespace {
@@ -147,7 +148,14 @@ int calibrate(const CalibrateOptions& options, std::ostream& out, std::ostream& 
 
 }  // namespace
 
-int run_calibrate(const CalibrateOptions& options, std::ostream& out, std::ostream& err) {
+int run_calibrate(const CalibrateOptions& given, std::ostream& out, std::ostream& err) {
+  CalibrateOptions options = given;
+  const std::vector<std::string> bags = take_bags(options.captures);
+  if (bags.size() > 1 || (!bags.empty() && !options.bag.empty())) {
+    err << "lidard calibrate: " << bags.front() << ": one bag is read\n";
+    return exit_usage;
+  }
+  if (!bags.empty()) options.bag = bags.front();
   if (options.captures.empty() && options.bag.empty()) {
     err << "lidard calibrate: a capture or --bag is required\n";
     return exit_usage;

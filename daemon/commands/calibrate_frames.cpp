@@ -7,8 +7,8 @@
 #include "core/evidence/beam_rays.h"
 #include "daemon/commands/calibrate.h"
 #include "daemon/commands/player.h"
+#include "daemon/ros/in/bag_topics.h"
 #include "daemon/ros/in/tf_poses.h"
-#include "daemon/ros/messages/bags_module.h"
 #include "daemon/ros/messages/convert.h"
 
 namespace lidard {
@@ -135,24 +135,21 @@ void add_topics(const std::string& path, std::vector<CalibratedSensor>& sensors,
       if (!own.empty() && (own == topic || "/" + own == topic)) use(sensor);
     }
   };
-  const auto use_scan = [&](const std::string& topic, const sensor_msgs::LaserScan& message) {
-    for_each_of(topic, [&](CalibratedSensor& sensor) {
-      if (from_ros(message, scan) != nullptr) return;
-      scan.stamp = scan.stamp + sensor.config->driver.time_offset;
-      collector.add(sensor, scan);
+  const auto bag = open_bags({path});
+  std::vector<std::string> topics;
+  for (const BagTopic& topic : bag->topics()) topics.push_back(topic.name);
+  bag->choose(topics);
+  for (BagMessage message; bag->next(message);) {
+    for_each_of(message.topic, [&](CalibratedSensor& sensor) {
+      const Span later = sensor.config->driver.time_offset;
+      if (message.scan && from_ros(*message.scan, scan) == nullptr) {
+        scan.stamp = scan.stamp + later;
+        collector.add(sensor, scan);
+      } else if (message.cloud && from_ros(*message.cloud, cloud).error == nullptr) {
+        cloud.stamp = cloud.stamp + later;
+        collector.add(sensor, cloud);
+      }
     });
-  };
-  const auto use_cloud = [&](const std::string& topic, const sensor_msgs::PointCloud2& message) {
-    for_each_of(topic, [&](CalibratedSensor& sensor) {
-      if (from_ros(message, cloud).error != nullptr) return;
-      cloud.stamp = cloud.stamp + sensor.config->driver.time_offset;
-      collector.add(sensor, cloud);
-    });
-  };
-  try {
-    bags_function<decltype(lidard_read_scans)>("lidard_read_scans")(path, use_scan, use_cloud);
-  } catch (const std::exception& problem) {
-    throw std::runtime_error(path + ": " + problem.what());
   }
 }
 

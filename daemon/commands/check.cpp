@@ -98,7 +98,7 @@ class Forecast {
       const SensorConfig* sensor = config_.find_sensor(source);
       if (sensor == nullptr || sensor->model != nullptr) continue;
       add(entry, source + " comes from " + sensor->topic +
-                     ", which another node must publish; a replay of captures is without it");
+                     ", which another node must publish; a replay has it if a bag does");
     }
   }
   /// `written`: {xyz: ..., rpy_deg: ...}.

@@ -95,8 +95,9 @@ int run_record(const RecordOptions& options, std::ostream& err);
 
 /// Options of `lidard replay`.
 struct ReplayOptions {
-  std::string config;  ///< empty: the sensors that are found in the captures
-  std::vector<std::string> captures;
+  std::string config;                              ///< empty: the sensors that are found in the captures
+  std::vector<std::string> captures;               ///< and bags
+  std::vector<std::string> bags = {};              ///< taken out of the captures
   double rate = 1;                                 ///< of the recorded pace; 0: as fast as possible
   bool loop = false;                               ///< repeats the captures with continuous stamps
   double start = 0;                                ///< s into the capture

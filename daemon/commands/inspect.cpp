@@ -10,6 +10,7 @@
 #include "daemon/config/yaml_reader.h"
 #include "daemon/files/text_table.h"
 #include "daemon/pipeline/report.h"
+#include "daemon/ros/in/bag_topics.h"
 
 namespace lidard {
 namespace {
@@ -171,7 +172,19 @@ void print_text(const Survey& survey, const Json& all, std::ostream& out) {
 
 }  // namespace
 
-int run_inspect(const std::vector<std::string>& captures, bool json, std::ostream& out, std::ostream& err) {
+int run_inspect(const std::vector<std::string>& given, bool json, std::ostream& out, std::ostream& err) {
+  std::vector<std::string> captures = given;
+  const std::vector<std::string> bags = take_bags(captures);
+  if (!bags.empty() && (json || !captures.empty())) {
+    err << bags.front() << ": a bag is inspected by itself, as text\n";
+    return exit_usage;
+  }
+  if (!bags.empty()) {
+    return guarded(err, [&] {
+      out << config_of_bags(bags);
+      return exit_ok;
+    });
+  }
   const Survey found = survey(captures);
   bool all_read = true;
   bool any_read = false;

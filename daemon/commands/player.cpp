@@ -178,4 +178,21 @@ void Player::play(const std::function<bool()>& stop) {
   pipeline_.finish(last_);
 }
 
+void Player::play(TimedMessages& messages, const std::function<bool()>& stop) {
+  const std::optional<Stamp> first = messages.next();
+  if (!first) return;
+  const Stamp from = *first + span_from_seconds(options_.start);
+  messages.feed(nullptr, from - Span(1));
+  begin_ = first_ = last_ = from;
+  wall_begin_ = std::chrono::steady_clock::now();
+  for (auto at = messages.next(); at; at = messages.next()) {
+    if (options_.duration >= 0 && seconds(*at - from) >= options_.duration) break;
+    if (!wait_for(*at, stop)) break;
+    show_time(*at);
+    messages.feed(&pipeline_, *at);
+    pipeline_.tick(*at);
+  }
+  pipeline_.finish(last_);
+}
+
 }  // namespace lidard

@@ -29,6 +29,8 @@ class Player {
 
   /// Plays until the end or until `stop()` returns true.
   void play(const std::function<bool()>& stop);
+  /// Plays messages alone, from `start` on for `duration`.
+  void play(TimedMessages& messages, const std::function<bool()>& stop);
 
   /// The time of the replay, once it has begun.
   Stamp now() const;

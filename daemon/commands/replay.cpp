@@ -16,6 +16,7 @@
 #include "daemon/commands/player.h"
 #include "daemon/commands/stop_signal.h"
 #include "daemon/pipeline/report.h"
+#include "daemon/ros/in/bag_topics.h"
 #include "daemon/ros/in/tf_poses.h"
 #include "daemon/ros/master/environment.h"
 #include "daemon/ros/out/bag_sink.h"
@@ -30,12 +31,16 @@ struct Replay {
          TransformSource& poses)
       : config(what),
         capture(from),
+        topics(how.bags.empty() ? nullptr : std::make_unique<BagTopics>(how.bags, what)),
+        alone(how.captures.empty()),
         sink(to),
         pipeline(config, poses, sink),
         player(how, capture, pipeline) {}
 
   const Config& config;
   MergedCapture& capture;
+  const std::unique_ptr<BagTopics> topics;
+  const bool alone;  // no captures beside the bags
   FrameSink& sink;
   Pipeline pipeline;
   Player player;
@@ -47,8 +52,12 @@ struct Replay {
       if (first) sink.transforms(pipeline.static_transforms(), stamp);
       first = false;
       on_time(stamp);
+      if (topics && !alone) topics->feed(&pipeline, stamp);
     };
-    player.play(stopped);
+    if (topics && alone)
+      player.play(*topics, stopped);
+    else
+      player.play(stopped);
     report(out, err);
     const auto outputs = pipeline.output_report();
     print_outputs("output", outputs, out);
@@ -61,6 +70,13 @@ struct Replay {
     print_table(sensors, out);
     print_verdicts(config, sensors, out);
     print_capture_counters(capture.counters(), 0, out);
+    if (topics) {
+      for (const TopicReport& topic : topics->report()) {
+        out << "  " << topic.topic << ": " << topic.messages << " messages for " << topic.sensor;
+        if (topic.rejected > 0) out << ", " << topic.rejected << " of no use: " << topic.last_reason;
+        out << '\n';
+      }
+    }
     if (player.skipped() > 0) out << "  " << player.skipped() << " datagrams before --start not played\n";
     for (const auto& sender : pipeline.unclaimed_senders())
       out << "  no sensor is configured for " << sender << '\n';
@@ -75,7 +91,8 @@ int into_bag(const ReplayOptions& options, const Config& config, MergedCapture& 
   if (std::filesystem::is_regular_file(options.bag))
     throw std::runtime_error(options.bag + " is there already; remove it, or name another file");
   BagSink sink(options.bag);
-  BagPoses motion(options.motion, config.vehicle);
+  const bool own_poses = options.motion.empty() && !options.bags.empty();
+  BagPoses motion(own_poses ? options.bags.front() : options.motion, config.vehicle);
   Replay replay(options, config, capture, sink, motion);
   bool first = true;
   const auto on_time = [&](Stamp now) {
@@ -140,18 +157,22 @@ int into_ros(const ReplayOptions& options, const Config& config, MergedCapture& 
 
 }  // namespace
 
-int run_replay(const ReplayOptions& options, std::ostream& out, std::ostream& err) {
+int run_replay(const ReplayOptions& given, std::ostream& out, std::ostream& err) {
   return guarded(err, [&] {
-    const Config config =
-        options.config.empty()
-            ? parse_config(config_of(survey_of_sensors(options.captures, err)), "the sensors found")
-            : load_config(options.config);
-    return run_replay(options, config, out, err);
+    ReplayOptions options = given;
+    options.bags = take_bags(options.captures);
+    if (!options.config.empty()) return run_replay(options, load_config(options.config), out, err);
+    const std::string found = options.captures.empty() ? config_of_bags(options.bags)
+                                                       : config_of(survey_of_sensors(options.captures, err));
+    return run_replay(options, parse_config(found, "the sensors found"), out, err);
   });
 }
 
 int run_replay(const ReplayOptions& options, const Config& config, std::ostream& out, std::ostream& err) {
   return guarded(err, [&] {
+    if (!options.bags.empty() && (options.loop || options.restamp))
+      throw std::runtime_error("--loop and --restamp are for captures; play " + options.bags.front() +
+                               " with `rosbag play --loop`");
     for (const auto& warning : config.warnings) err << warning << '\n';
     MergedCapture capture(options.captures);
     stop_on_signals();

@@ -40,6 +40,16 @@ class MessageReceiver {
   virtual std::string set_sensor(const SensorConfig& wanted) = 0;
 };
 
+/// Messages that were recorded, in the order of their times.
+class TimedMessages {
+ public:
+  virtual ~TimedMessages() = default;
+  /// When the next one was recorded; none at the end.
+  virtual std::optional<Stamp> next() const = 0;
+  /// Passes those up to `until` on; nullptr: drops them.
+  virtual void feed(MessageReceiver* to, Stamp until) = 0;
+};
+
 /// Detects the first second after a start, in which silence is no fault. A jump of the clock, a pause of the
 /// program and a hole in a capture count as starts.
 class StartWatch {

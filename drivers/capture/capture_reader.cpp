@@ -47,6 +47,8 @@ std::string why_no_capture(ByteView head) {
       return std::string("is packed with ") + packing.name + "; only gzip and zstd are unpacked here: use `" +
              packing.command + "` first";
   }
+  if (head.size() >= 7 && head.sub(0, 7).text() == "#ROSBAG")
+    return "is a bag; `lidard replay`, `inspect` and `calibrate` read one whose name ends with .bag";
   return std::string("unknown file format") + remedy;
 }
 

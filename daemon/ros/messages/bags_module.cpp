@@ -5,6 +5,7 @@
 #include <rosbag/bag.h>
 #include <rosbag/view.h>
 
+#include <map>
 #include <memory>
 #include <stdexcept>
 
@@ -34,6 +35,63 @@ class WrittenBag final : public BagFile {
   rosbag::Bag bag_;
 };
 
+class OpenBags final : public BagReader {
+ public:
+  explicit OpenBags(const std::vector<std::string>& paths) {
+    std::map<std::string, BagTopic> all;
+    for (const std::string& path : paths) {
+      open(path);
+      rosbag::View view(*bags_.back());
+      for (const rosbag::ConnectionInfo* connection : view.getConnections())
+        all[connection->topic] = {connection->topic, connection->datatype, 0, 0};
+      for (auto& [name, topic] : all) {
+        rosbag::View one(*bags_.back(), rosbag::TopicQuery(name));
+        topic.messages += one.size();
+        if (one.size() > 0) topic.seconds += (view.getEndTime() - view.getBeginTime()).toSec();
+      }
+    }
+    for (const auto& [name, topic] : all) topics_.push_back(topic);
+  }
+  const std::vector<BagTopic>& topics() const override { return topics_; }
+  void choose(const std::vector<std::string>& topics) override {
+    view_ = std::make_unique<rosbag::View>();
+    for (const auto& bag : bags_) view_->addQuery(*bag, rosbag::TopicQuery(topics));
+    at_ = view_->begin();
+  }
+  bool next(BagMessage& message) override {
+    if (at_ == view_->end()) return false;
+    const rosbag::MessageInstance& from = *at_;
+    message.topic = from.getTopic();
+    message.time = from.getTime();
+    message.scan = from.instantiate<sensor_msgs::LaserScan>();
+    message.cloud = from.instantiate<sensor_msgs::PointCloud2>();
+    message.bytes.clear();
+    if (!message.scan && !message.cloud) {
+      message.bytes.resize(from.size());
+      ros::serialization::OStream stream(message.bytes.data(), from.size());
+      from.write(stream);
+    }
+    ++at_;
+    return true;
+  }
+
+ private:
+  void open(const std::string& path) {
+    try {
+      bags_.push_back(std::make_unique<rosbag::Bag>(path, rosbag::bagmode::Read));
+    } catch (const rosbag::BagUnindexedException&) {
+      throw std::runtime_error(path + ": the bag was not closed; run `rosbag reindex` on it");
+    } catch (const rosbag::BagException& problem) {
+      throw std::runtime_error(path + ": " + problem.what());
+    }
+  }
+
+  std::vector<std::unique_ptr<rosbag::Bag>> bags_;
+  std::vector<BagTopic> topics_;
+  std::unique_ptr<rosbag::View> view_;
+  rosbag::View::iterator at_;
+};
+
 }  // namespace
 }  // namespace lidard
 
@@ -54,15 +112,6 @@ extern "C" void lidard_read_poses(const std::string& path, const std::string& od
   }
 }
 
-void lidard_read_scans(
-    const std::string& path,
-    const std::function<void(const std::string& topic, const sensor_msgs::LaserScan& message)>& use_scan,
-    const std::function<void(const std::string& topic, const sensor_msgs::PointCloud2& message)>& use_cloud) {
-  rosbag::Bag bag(path, rosbag::bagmode::Read);
-  for (const auto& message : rosbag::View(bag)) {
-    if (const auto scan = message.instantiate<sensor_msgs::LaserScan>())
-      use_scan(message.getTopic(), *scan);
-    else if (const auto cloud = message.instantiate<sensor_msgs::PointCloud2>())
-      use_cloud(message.getTopic(), *cloud);
-  }
+extern "C" lidard::BagReader* lidard_open_bags(const std::vector<std::string>& paths) {
+  return new lidard::OpenBags(paths);
 }

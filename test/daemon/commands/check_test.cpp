@@ -312,7 +312,7 @@ TEST_F(Check, AMergedCloudIsSaidToNeedPosesAndTopicsOfOthers) {
       << err_.str();
   const std::string tf = " from tf only; without tf (replay --bag, snapshot) ";
   const std::string topic =
-      ": rear comes from /rear/points, which another node must publish; a replay of captures is without it\n";
+      ": rear comes from /rear/points, which another node must publish; a replay has it if a bag does\n";
   EXPECT_EQ(err_.str(),
             path_ + ":6:3: merged_clouds.all: the pose of mast comes" + tf +
                 "what needs it is left out: configure it\n" + path_ + ":6:3: merged_clouds.all" + topic +
