@@ -150,7 +150,7 @@ int calibrate(const CalibrateOptions& options, std::ostream& out, std::ostream& 
 
 int run_calibrate(const CalibrateOptions& given, std::ostream& out, std::ostream& err) {
   CalibrateOptions options = given;
-  const std::vector<std::string> bags = take_bags(options.captures);
+  const std::vector<std::string> bags = split_bags(options.captures);
   if (bags.size() > 1 || (!bags.empty() && !options.bag.empty())) {
     err << "lidard calibrate: " << bags.front() << ": one bag is read\n";
     return exit_usage;

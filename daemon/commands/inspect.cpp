@@ -174,7 +174,7 @@ void print_text(const Survey& survey, const Json& all, std::ostream& out) {
 
 int run_inspect(const std::vector<std::string>& given, bool json, std::ostream& out, std::ostream& err) {
   std::vector<std::string> captures = given;
-  const std::vector<std::string> bags = take_bags(captures);
+  const std::vector<std::string> bags = split_bags(captures);
   if (!bags.empty() && (json || !captures.empty())) {
     err << bags.front() << ": a bag is inspected by itself, as text\n";
     return exit_usage;

@@ -160,7 +160,7 @@ int into_ros(const ReplayOptions& options, const Config& config, MergedCapture& 
 int run_replay(const ReplayOptions& given, std::ostream& out, std::ostream& err) {
   return guarded(err, [&] {
     ReplayOptions options = given;
-    options.bags = take_bags(options.captures);
+    options.bags = split_bags(options.captures);
     if (!options.config.empty()) return run_replay(options, load_config(options.config), out, err);
     const std::string found = options.captures.empty() ? config_of_bags(options.bags)
                                                        : config_of(survey_of_sensors(options.captures, err));

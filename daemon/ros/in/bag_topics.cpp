@@ -39,7 +39,7 @@ bool is_bag(const std::string& path) {
   return path.size() > 4 && path.compare(path.size() - 4, 4, ".bag") == 0;
 }
 
-std::vector<std::string> take_bags(std::vector<std::string>& captures) {
+std::vector<std::string> split_bags(std::vector<std::string>& captures) {
   const auto first = std::stable_partition(captures.begin(), captures.end(),
                                            [](const std::string& path) { return !is_bag(path); });
   std::vector<std::string> bags(first, captures.end());

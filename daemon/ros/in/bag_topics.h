@@ -16,7 +16,7 @@ namespace lidard {
 /// True if the file's name ends with .bag.
 bool is_bag(const std::string& path);
 /// Moves the bags of a list into a list of their own.
-std::vector<std::string> take_bags(std::vector<std::string>& captures);
+std::vector<std::string> split_bags(std::vector<std::string>& captures);
 
 /// Opens bags. Throws std::runtime_error that names the file.
 std::unique_ptr<BagReader> open_bags(const std::vector<std::string>& bags);

@@ -270,7 +270,7 @@ TEST_F(Check, WhatOnlyTfOrAnotherNodeCanTellIsSaidAtOnce) {
                 "--bag, snapshot) what needs it is left out: configure it\n" +
                 path_ +
                 ":6:3: merged_scans.all: rear comes from /rear/scan, which another node must publish; a "
-                "replay of captures is without it\n" +
+                "replay has it if a bag does\n" +
                 path_ +
                 ":9:3: merged_scans.nowhere: the pose of destination_frame gripper comes from tf only; "
                 "without tf (replay --bag, snapshot) nothing comes out: configure it\n");
