@@ -144,7 +144,7 @@ void Visibility::end_unseen(Walk& walk, float to) {
     walk.unseen += to - stretch.from;
     accepted = walk.has_hit && to - stretch.from <= most && walk.unseen <= 2 * most;
   } else if (stretch.behind <= static_cast<float>(settings_.gap) / 2) {
-    body_at_[walk.beam] = std::min(body_at_[walk.beam], stretch.hidden_from);
+    body_at_[walk.beam] = stretch.hidden_from;
   }
   if (accepted) return;
   covered_[walk.beam] = stretch.from;

@@ -327,5 +327,16 @@ TEST(PlacedScan, ScannerMountedUpsideDownSeesTheSameWorld) {
   }
 }
 
+TEST(PlacedScan, ATiltedBeamIsFreeWhereItIsWithinTheHeights) {
+  FlatWorld world;
+  world.add_box({20, 0}, {1, 30}, 0);
+  Conditioned seen(world, scanner_at(0, 0, 0, 1));
+  // 1 m high, 10 degrees down: the heights from 0.4 to -0.2 m begin 3.40 m ahead and end 6.81 m ahead.
+  seen.take(make_pose({0, 0, 1}, {0, 10 * degree, 0}), {}, {-0.2, 0.4});
+  const std::size_t ahead = seen.towards(0);
+  EXPECT_NEAR(static_cast<double>(seen.sweep.free_from[ahead]), 0.6 / std::tan(10 * degree), 0.01);
+  EXPECT_NEAR(static_cast<double>(seen.sweep.free_to[ahead]), 1.2 / std::tan(10 * degree), 0.01);
+}
+
 }  // namespace
 }  // namespace lidard

@@ -3,6 +3,7 @@
 // Virtual scans of two lidars beside a mast, which hides a part of the yard from each of them.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -142,6 +143,19 @@ TEST(TwoLidars, WhatOneProvesFreeTheShadowOfTheMastDoesNotUndo) {
       EXPECT_GT(counts.free[2], std::max(counts.free[0], counts.free[1]) * 105 / 100);
       EXPECT_LT(counts.lost, counts.right[2] / 100);
     }
+  }
+}
+
+TEST(TwoLidars, OneWithoutACloudDoesNotSilenceTheOther) {
+  const Scene scene(sim::yard_cases()[0], 1, 30);
+  for (const Profile profile : {Profile::flatten, Profile::strict, Profile::safety}) {
+    const auto hits = [&](const Cloud* first, const Cloud* second) {
+      const PlanarScan scan = scene.scan(profile, first, second);
+      return std::count(scan.statuses.begin(), scan.statuses.end(), BeamStatus::hit);
+    };
+    EXPECT_GT(hits(nullptr, &scene.clouds[1]), 0);
+    EXPECT_GT(hits(&scene.clouds[0], nullptr), 0);
+    EXPECT_EQ(hits(nullptr, nullptr), 0);
   }
 }
 
