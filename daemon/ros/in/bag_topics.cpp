@@ -80,7 +80,10 @@ BagTopics::BagTopics(const std::vector<std::string>& bags, const Config& config)
 
 void BagTopics::check(const std::vector<std::string>& bags) const {
   std::string there;
-  for (const BagTopic& topic : reader_->topics()) there += (there.empty() ? "" : ", ") + text_of(topic);
+  for (const BagTopic& topic : reader_->topics()) {
+    if (!there.empty()) there += ", ";
+    there += text_of(topic);
+  }
   const std::string& first = bags.front();
   if (sources_.empty())
     throw std::runtime_error(first + ": no sensor of the configuration has a topic; give one `topic:`, of " +
