@@ -88,15 +88,15 @@ void BagTopics::check(const std::vector<std::string>& bags) const {
   if (sources_.empty())
     throw std::runtime_error(first + ": no sensor of the configuration has a topic; give one `topic:`, of " +
                              there);
-  for (const TopicReport& source : sources_) {
-    const auto& all = reader_->topics();
-    const bool found = std::any_of(all.begin(), all.end(), [&](const BagTopic& topic) {
+  const auto& all = reader_->topics();
+  const auto missing = std::find_if(sources_.begin(), sources_.end(), [&](const TopicReport& source) {
+    return std::none_of(all.begin(), all.end(), [&](const BagTopic& topic) {
       return topic.messages > 0 && same_topic(source.topic, topic.name);
     });
-    if (!found)
-      throw std::runtime_error(first + ": no message on " + source.topic + ", the topic of sensor " +
-                               source.sensor + "; there are " + there);
-  }
+  });
+  if (missing == sources_.end()) return;
+  throw std::runtime_error(first + ": no message on " + missing->topic + ", the topic of sensor " +
+                           missing->sensor + "; there are " + there);
 }
 
 void BagTopics::advance() {
