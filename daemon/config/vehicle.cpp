@@ -77,6 +77,15 @@ void check_motion(const Mapping& yaml, const VehicleConfig& vehicle) {
 
 }  // namespace
 
+double distance_to(const std::vector<Point>& footprint, const Point& point) {
+  if (footprint.empty()) return 0;
+  Outline outline;
+  for (const Point& vertex : footprint)
+    geometry::append(outline, Outline::point_type(vertex.x(), vertex.y()));
+  geometry::correct(outline);
+  return geometry::distance(Outline::point_type(point.x(), point.y()), outline);
+}
+
 const Keys<VehicleConfig>& vehicle_keys() {
   using V = VehicleConfig;
   static const Keys<V> all{
