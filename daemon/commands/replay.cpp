@@ -49,6 +49,7 @@ struct Replay {
       on_time(stamp);
     };
     player.play(stopped);
+    if (const std::string why = player.why_nothing(); !why.empty()) throw std::runtime_error(why);
     report(out, err);
     const auto outputs = pipeline.output_report();
     print_outputs("output", outputs, out);

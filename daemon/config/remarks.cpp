@@ -35,10 +35,6 @@ struct Remarks {
   Value entry(const char* section, const std::string& name) const {
     return value_at(value_at(root, section), name);
   }
-  Value entry(const SensorConfig& sensor) const { return entry("sensors", sensor.name); }
-  Value entry(const MergedScanConfig& merged) const { return entry("merged_scans", merged.name); }
-  Value entry(const MergedCloudConfig& merged) const { return entry("merged_clouds", merged.name); }
-  Value entry(const VirtualScanConfig& group) const { return entry("virtual_scans", group.name); }
 };
 
 double outside(const Config& config, const Eigen::Vector3d& at) {
@@ -94,22 +90,23 @@ void question_places(Remarks& remarks) {
   const Config& config = remarks.config;
   for (const SensorConfig& sensor : config.sensors) {
     if (sensor.pose)
-      question_place(remarks, remarks.entry(sensor), "pose", sensor.pose->translation(), lowest, 2);
+      question_place(remarks, remarks.entry("sensors", sensor.name), "pose", sensor.pose->translation(),
+                     lowest, 2);
   }
-  const auto question_destination = [&](const auto& merged) {
+  const auto question_destination = [&](const char* section, const auto& merged) {
     if (merged.destination_pose)
-      question_place(remarks, remarks.entry(merged), "destination_pose",
+      question_place(remarks, remarks.entry(section, merged.name), "destination_pose",
                      merged.destination_pose->translation(), -near_m, near_m);
   };
-  for (const MergedScanConfig& merged : config.merged_scans) question_destination(merged);
-  for (const MergedCloudConfig& merged : config.merged_clouds) question_destination(merged);
+  for (const MergedScanConfig& merged : config.merged_scans) question_destination("merged_scans", merged);
+  for (const MergedCloudConfig& merged : config.merged_clouds) question_destination("merged_clouds", merged);
   for (const VirtualScanConfig& group : config.virtual_scans) {
     std::optional<Pose> base;
     if (group.base_frame == config.vehicle.base_frame) base = Pose::Identity();
     for (const SensorConfig& sensor : config.sensors) {
       if (!base && sensor.frame_id == group.base_frame) base = sensor.pose;
     }
-    const Value poses = value_at(remarks.entry(group), "poses");
+    const Value poses = value_at(remarks.entry("virtual_scans", group.name), "poses");
     for (const auto& [frame, pose] : group.poses) {
       if (base) question_place(remarks, poses, frame, *base * pose.translation(), lowest, 10);
     }
@@ -125,7 +122,7 @@ void question_twins(Remarks& remarks) {
     for (auto other = config.sensors.begin(); other != one; ++other) {
       // Another driver may publish one device on several topics.
       if (one->model == nullptr || other->model == nullptr) continue;
-      const Value entry = remarks.entry(*one);
+      const Value entry = remarks.entry("sensors", one->name);
       const bool is_twin =
           one->pose && other->pose && (one->pose->matrix() - other->pose->matrix()).norm() < same_m;
       if (one->frame_id == other->frame_id)
@@ -142,21 +139,22 @@ bool uses(const std::vector<std::string>& sources, const SensorConfig& sensor) {
   return std::find(sources.begin(), sources.end(), sensor.name) != sources.end();
 }
 
-/// A tilted scanner meets the ground, unless it looks up and down on purpose.
+/// A tilted scanner meets the ground. One whose plane stands measures profiles, unless it is merged.
 void question_tilt(Remarks& remarks) {
-  constexpr double least_deg = 5;
+  constexpr double least_deg = 5, standing_deg = 60;
   for (const SensorConfig& sensor : remarks.config.sensors) {
     const bool is_scanner = sensor.model != nullptr && sensor.model->kind == FrameKind::scan;
     if (!is_scanner || !sensor.pose) continue;
     const double up = std::abs(sensor.pose->linear()(2, 2));
     const double tilt_deg = std::acos(std::min(up, 1.0)) * deg_per_rad;
-    const auto& scans = remarks.config.merged_scans;
-    const bool is_meant = std::any_of(scans.begin(), scans.end(), [&](const MergedScanConfig& merged) {
-      return uses(merged.laserscan_topics, sensor) && merged.output.min_height;
-    });
-    if (tilt_deg > least_deg && !is_meant)
+    bool is_meant = tilt_deg < least_deg || tilt_deg > standing_deg;
+    for (const MergedScanConfig& merged : remarks.config.merged_scans) {
+      if (uses(merged.laserscan_topics, sensor))
+        is_meant = tilt_deg < least_deg || merged.output.min_height.has_value();
+    }
+    if (!is_meant)
       remarks.add(
-          value_at(remarks.entry(sensor), "pose"),
+          value_at(remarks.entry("sensors", sensor.name), "pose"),
           fmt::format("tilts a planar scanner by {:.0f} deg, so that it meets the ground: if that is not "
                       "meant, correct roll and pitch, else merge it with min_height",
                       tilt_deg));
@@ -175,7 +173,7 @@ void question_heights(Remarks& remarks) {
     }
     if (heights.isEmpty() || heights.sizes()[0] <= one_height) continue;
     remarks.add(
-        value_at(remarks.entry(merged), "laserscan_topics"),
+        value_at(remarks.entry("merged_scans", merged.name), "laserscan_topics"),
         fmt::format("merges scanners {:.2f} to {:.2f} m high: a beam is free where one of them sees its "
                     "way, whatever stands lower or higher; name those that must see it in free_requires",
                     heights.min()[0], heights.max()[0]));
@@ -183,9 +181,10 @@ void question_heights(Remarks& remarks) {
 }
 
 /// Checks that a scanner sees most of a sector between angle_min and angle_max.
-void question_sector(Remarks& remarks, const Value& entry, const SensorConfig& sensor, const Sector& sector) {
-  const double end = sensor.model->field.width() / 2;
-  if (sensor.model->kind != FrameKind::scan || end <= 0 || sector.is_line()) return;
+void question_sector(Remarks& remarks, const Value& entry, const SensorConfig* sensor, const Sector& sector) {
+  if (sensor == nullptr || sensor->model == nullptr || sensor->model->kind != FrameKind::scan) return;
+  const double end = sensor->model->field.width() / 2;
+  if (end <= 0 || sector.is_line()) return;
   int kept = 0, left_out = 0, wanted = 0;  // degrees
   for (int deg = -180; deg < 180; ++deg) {
     const double middle = (deg + 0.5) * rad_per_deg;
@@ -200,29 +199,14 @@ void question_sector(Remarks& remarks, const Value& entry, const SensorConfig& s
                           wanted, kept, -end * deg_per_rad, end * deg_per_rad));
 }
 
-void question_near_end(Remarks& remarks, const Value& key, double range_min, double farthest) {
-  if (farthest > 0 && range_min >= farthest)
-    remarks.add(
-        key,
-        fmt::format("is {} m, and the sensor measures no farther than {} m: nothing is left; set it lower",
-                    range_min, farthest));
-}
-
 void question_windows(Remarks& remarks) {
-  for (const SensorConfig& sensor : remarks.config.sensors) {
-    if (sensor.model == nullptr) continue;
-    question_sector(remarks, remarks.entry(sensor), sensor, sensor.driver.sector());
-    question_near_end(remarks, value_at(remarks.entry(sensor), "min_range"), sensor.driver.min_range,
-                      sensor.model->range_max);
-  }
+  for (const SensorConfig& sensor : remarks.config.sensors)
+    question_sector(remarks, remarks.entry("sensors", sensor.name), &sensor, sensor.driver.sector());
   for (const MergedScanConfig& merged : remarks.config.merged_scans) {
-    for (const auto& [source, own] : merged.source_settings) {
-      const SensorConfig* const sensor = remarks.config.find_sensor(source);
-      if (sensor == nullptr || sensor->model == nullptr) continue;
-      const Value entry = value_at(value_at(remarks.entry(merged), "source_settings"), source);
-      question_sector(remarks, entry, *sensor, sector_between(own.angle_min, own.angle_max));
-      question_near_end(remarks, value_at(entry, "range_min"), own.range_min, sensor->model->range_max);
-    }
+    const Value settings = value_at(remarks.entry("merged_scans", merged.name), "source_settings");
+    for (const auto& [source, own] : merged.source_settings)
+      question_sector(remarks, value_at(settings, source), remarks.config.find_sensor(source),
+                      sector_between(own.angle_min, own.angle_max));
   }
 }
 
@@ -296,27 +280,27 @@ double highest_rate(const SensorConfig* sensor) {
   return settable / sensor->model->frame_period / (1 + sensor->driver.requests.skip.value_or(0));
 }
 
-template <class Merged>
-void question_rate(Remarks& remarks, const Merged& merged, const std::vector<std::string>& sources) {
-  if (merged.schedule.policy != Policy::rate) return;
+void question_rate(Remarks& remarks, const Value& entry, const ScheduleSettings& schedule,
+                   const std::vector<std::string>& sources) {
   double most = 0;
   for (const std::string& source : sources) {
     const double own = highest_rate(remarks.config.find_sensor(source));
     if (own == 0) return;
     most += own;
   }
-  if (merged.schedule.rate > most * 1.01)
+  if (schedule.policy == Policy::rate && schedule.rate > most * 1.01)
     remarks.add(
-        value_at(remarks.entry(merged), "rate"),
+        value_at(entry, "rate"),
         fmt::format("is {} per s, and its sources send {:.3g} sweeps per s at most: the same sweeps would be "
                     "published again; set it lower",
-                    merged.schedule.rate, most));
+                    schedule.rate, most));
 }
 
 void question_rates(Remarks& remarks) {
-  for (const auto& merged : remarks.config.merged_scans)
-    question_rate(remarks, merged, merged.laserscan_topics);
-  for (const auto& merged : remarks.config.merged_clouds) question_rate(remarks, merged, merged.sources);
+  for (const auto& one : remarks.config.merged_scans)
+    question_rate(remarks, remarks.entry("merged_scans", one.name), one.schedule, one.laserscan_topics);
+  for (const auto& one : remarks.config.merged_clouds)
+    question_rate(remarks, remarks.entry("merged_clouds", one.name), one.schedule, one.sources);
 }
 
 bool is_own(const IpAddress& address) {
@@ -330,7 +314,7 @@ void question_network(Remarks& remarks) {
   const IpAddress nobody = IpAddress::v4(0, 0, 0, 0), everybody = IpAddress::v4(255, 255, 255, 255);
   for (const SensorConfig& sensor : remarks.config.sensors) {
     if (sensor.model == nullptr || !sensor.packet_topic.empty()) continue;
-    const Value entry = remarks.entry(sensor);
+    const Value entry = remarks.entry("sensors", sensor.name);
     if (sensor.ip_address == nobody || sensor.ip_address == everybody)
       remarks.add(value_at(entry, "ip_address"), "is " + sensor.ip_address->to_string() +
                                                      ", the address of no device; set that of the sensor");
@@ -354,7 +338,7 @@ void question_network(Remarks& remarks) {
 void question_calibrations(Remarks& remarks) {
   for (const SensorConfig& sensor : remarks.config.sensors) {
     if (sensor.model == nullptr || !sensor.model->has(Trait::calibration)) continue;
-    const Value entry = remarks.entry(sensor);
+    const Value entry = remarks.entry("sensors", sensor.name);
     if (sensor.driver.calibration == nullptr) {
       // What the driver reports before the first packet.
       const auto driver = sensor.model->make(sensor.driver);

@@ -48,20 +48,16 @@ constexpr RemovedKey removed_keys[] = {
     {"virtual_scans.*.range_noise", "no such key: 0.02 m, that of the lidars that give clouds"},
 };
 
-/// What other drivers call a key; `called` with | between the names.
+/// What other drivers call a key, with | between the names.
 struct Synonym {
-  const char* section;
-  const char* called;
-  const char* ours;
+  const char *section, *called, *ours;
 };
 
 constexpr Synonym synonyms[] = {
     {"", "sensor|lidars|lidar|scanners|devices", "sensors"},
-    {"", "robot|platform", "vehicle"},
     {"vehicle.", "frame|frame_id|robot_frame|robot_base_frame|base_link", "base_frame"},
     {"vehicle.", "outline|polygon|shape", "footprint"},
     {"vehicle.", "odom_frame|fixed_frame", "odometry_frame"},
-    {"vehicle.", "odom|odom_topic", "odometry_topic"},
     {"sensors.*.", "type|lidar_type|sensor_type|sensor_model|scanner_type|device_type|product", "model"},
     {"sensors.*.", "hostname|host|ip|address|device_ip|sensor_ip|scanner_ip|lidar_ip", "ip_address"},
     {"sensors.*.", "port|udp_port|data_port|tcp_port|msop_port|host_port|lidar_port", "ip_port"},
@@ -75,7 +71,6 @@ constexpr Synonym synonyms[] = {
     {"sensors.*.", "min_ang|min_angle|angle_start|start_angle", "angle_min"},
     {"sensors.*.", "max_ang|max_angle|angle_end|end_angle", "angle_max"},
     {"sensors.*.", "calibration_file|correction_file|calib_file", "calibration"},
-    {"sensors.*.", "intensity|use_intensity", "publish_intensity"},
     {"sensors.*.", "pcap|pcap_file", "no such key; `lidard replay --pcap FILE` plays captures"},
     {"merged_scans.*.", "sources|topics|input_topics|scan_topics|scans|sensors", "laserscan_topics"},
     {"merged_clouds.*.", "laserscan_topics|topics|input_topics|cloud_topics|sensors", "sources"},

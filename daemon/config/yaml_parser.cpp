@@ -4,7 +4,6 @@
 #include <yaml-cpp/eventhandler.h>
 
 #include <algorithm>
-#include <cstring>
 #include <sstream>
 
 #include "daemon/config/yaml_reader.h"
@@ -68,29 +67,23 @@ bool is_indented_with_tab(const std::string& text, int line) {
   return content.substr(0, content.find_first_not_of(" \t")).find('\t') != std::string::npos;
 }
 
-/// The innermost bracket or quote that is open at the end of a text; empty: none.
+/// The innermost bracket that is open at the end of a text; empty: none.
 std::string open_bracket(const std::string& text) {
-  std::vector<std::size_t> open;
-  char before = '\n';  // the last character that is no blank
+  std::vector<std::pair<char, int>> open;  // with the line
+  bool is_comment = false;
+  int line = 1;
   for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
-    const bool in_quotes = !open.empty() && std::strchr("\"'", text[open.back()]) != nullptr;
-    if (in_quotes) {
-      if (c == text[open.back()]) open.pop_back();
-    } else if (c == '#' && (i == 0 || std::strchr(" \t\n", text[i - 1]) != nullptr)) {
-      i = std::min(text.find('\n', i), text.size()) - 1;
-    } else if (std::strchr("[{", c) != nullptr ||
-               (std::strchr("\"'", c) != nullptr && std::strchr(":,[{-\n", before) != nullptr)) {
-      open.push_back(i);
-    } else if (std::strchr("]}", c) != nullptr && !open.empty() &&
-               text[open.back()] == (c == ']' ? '[' : '{')) {
+    line += c == '\n' ? 1 : 0;
+    is_comment = c != '\n' && (is_comment || (c == '#' && (i == 0 || text[i - 1] <= ' ')));
+    if (is_comment) continue;
+    if (c == '[' || c == '{') open.emplace_back(c, line);
+    if ((c == ']' || c == '}') && !open.empty() && open.back().first == (c == ']' ? '[' : '{'))
       open.pop_back();
-    }
-    if (c != ' ') before = c;
   }
   if (open.empty()) return {};
-  const auto line = std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(open.back()), '\n');
-  return std::string("the ") + text[open.back()] + " of line " + std::to_string(line + 1) + " is not closed";
+  return std::string("the ") + open.back().first + " of line " + std::to_string(open.back().second) +
+         " is not closed";
 }
 
 /// What is wrong before a syntax error, where the parser only notices it; else the parser's words.

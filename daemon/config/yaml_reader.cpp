@@ -105,8 +105,10 @@ std::vector<YAML::Node> with_merged(const Value& value, const YAML::Node& map, s
 
 std::string comma_list(const std::vector<std::string_view>& words) {
   std::string list;
-  for (const std::string_view word : words) list.append(list.empty() ? "" : ", ").append(word);
-  return list;
+  for (auto word = words.begin(); word != words.end(); ++word) {
+    if (std::find(words.begin(), word, *word) == word) list.append(list.empty() ? "" : ", ").append(*word);
+  }
+  return list.find(',') == std::string::npos ? list : "one of " + list;
 }
 
 [[noreturn]] void fail_unknown(const std::string& key, const Value& entry,
@@ -116,7 +118,7 @@ std::string comma_list(const std::vector<std::string_view>& words) {
   std::string_view near = ours_for(entry.path());
   if (near.empty()) near = nearest_word(key, known_keys);
   fail_at(entry.key_place(), "unknown key " + entry.path(),
-          near.empty() ? "one of " + comma_list(known_keys) : std::string(near));
+          near.empty() ? comma_list(known_keys) : std::string(near));
 }
 
 // A configuration is a few kB, a calibration some 100 kB.
