@@ -94,7 +94,7 @@ struct Commands {
   }
   void add_run() {
     auto* c = app.add_subcommand("run", "The daemon: live sensors to ROS");
-    c->add_option("-c,--config", config, "Configuration file")->capture_default_str();
+    c->add_option("file,-c,--config", config, "Configuration file")->capture_default_str();
     c->callback([this] { action = [this] { return run_daemon(config, ros_arguments, std::cerr); }; });
   }
   void add_replay() {
@@ -150,7 +150,7 @@ struct Commands {
   void add_check() {
     auto* c = app.add_subcommand(
         "check", "Validates a configuration and prints it with all defaults, and what its scans can know");
-    c->add_option("file", config, "Configuration file")->required();
+    c->add_option("file,-c,--config", config, "Configuration file")->required();
     c->add_flag("--ports", ports, "Print the sockets that the daemon opens instead, for firewalls");
     c->callback([this] {
       action = [this] { return (ports ? run_check_ports : run_check)(config, std::cout, std::cerr); };

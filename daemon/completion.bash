@@ -27,7 +27,7 @@ _lidard() {
     --rate) _lidard_words "max 1"; return ;;
   esac
   case $command:$word in
-    run:*) _lidard_words "--config --help" ;;
+    run:-*) _lidard_words "--config --help" ;;
     replay:-*) _lidard_words "--config --pcap --rate --loop --start --duration --wait --motion --clock --bag --help" ;;
     decode:-*) _lidard_words "--model --source --port --calibration --calibration-model --format --frame --clock --time --output --help" ;;
     record:*) _lidard_words "--config --output --interface --duration --help" ;;
@@ -35,8 +35,8 @@ _lidard() {
     snapshot:-*) _lidard_words "--config --pcap --at --range --areas --motion --width --output --help" ;;
     inspect:-* | models:*) _lidard_words "--json --help" ;;
     keys:*) _lidard_words "--markdown --man --json --help" ;;
-    check:-*) _lidard_words "--ports --help" ;;
-    check:*) _lidard_files yaml yml ;;
+    check:-*) _lidard_words "--config --ports --help" ;;
+    check:* | run:*) _lidard_files yaml yml ;;
     status:* | events:*) _lidard_words "--socket --json --watch --help" ;;
     metrics:* | dump:*) _lidard_words "--socket --help" ;;
     import:-*) _lidard_words "--output --tables --help" ;;

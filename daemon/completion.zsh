@@ -26,7 +26,7 @@ _lidard() {
     return
   fi
   case ${words[2]} in
-    check | import) _files -g '*.(yaml|yml|launch)(-.)' ;;
+    run | check | import) _files -g '*.(yaml|yml|launch)(-.)' ;;
     inspect | decode | snapshot | calibrate | replay | view) _files -g '*.pcap*(-.)' ;;
     *) compadd -- --help ;;
   esac

@@ -45,7 +45,7 @@ into one and cuts virtual scans out of clouds. It replays, records, decodes
 and draws captures, too. It listens to nothing until the lidars are named in
 /etc/lidard/lidard.yaml and the service is enabled.")
 set(CPACK_DEBIAN_LIDARD_PACKAGE_SUGGESTS
-    "lidard-pcl, lidard-sim, python3-yaml, python3-rosmaster, python3-roslaunch, python3-rospy, python3-visualization-msgs, rviz")
+    "lidard-pcl, lidard-sim, python3-yaml, python3-rosmaster, python3-roslaunch, python3-rospy, python3-sensor-msgs, python3-visualization-msgs, rviz")
 set(control ${CMAKE_CURRENT_LIST_DIR}/control)
 set(CPACK_DEBIAN_LIDARD_PACKAGE_CONTROL_EXTRA
     ${control}/conffiles ${control}/postinst ${control}/prerm ${control}/postrm)

@@ -19,29 +19,10 @@
 namespace lidard {
 namespace {
 
-/// The value of an existing key.
-Value value_of(const Value& mapping, const std::string& key) {
-  for (const auto& [name, value] : named_entries(mapping)) {
-    if (name == key) return value;
-  }
-  return mapping;
-}
-
 constexpr double unknown_reach = std::numeric_limits<double>::infinity();
 
-/// True for addresses that no device has.
-bool is_no_device(const IpAddress& address) {
-  const std::string text = address.to_string();
-  return text == "0.0.0.0" || text == "255.255.255.255";
-}
-
-/// True for multiples of pi/8.
-bool looks_like_rad(double angle) {
-  return std::abs(angle) > 0.5 && std::abs(std::remainder(angle, pi_d / 4)) < 0.005;
-}
-
-/// Checks a configuration without data: poses that come only from tf, sources of other nodes, likely
-/// mistakes, and outputs that can never come.
+/// Checks a configuration without data: poses that come only from tf, sources of other nodes, and outputs
+/// that can never come.
 class Forecast {
  public:
   /// `text`: the source of `config`; `sights`: what its outputs can know.
@@ -101,20 +82,6 @@ class Forecast {
                      ", which another node must publish; a replay has it if a bag does");
     }
   }
-  /// `written`: {xyz: ..., rpy_deg: ...}.
-  void question(const Value& written, const Pose& pose) {
-    constexpr double far_m = 20;
-    const double away = pose.translation().norm();
-    if (away > far_m)
-      add(written, "is " + printed("%.0f", away) + " m away; are its numbers in m, and not in mm?");
-    const Value turn = value_of(written, "rpy_deg");
-    if (turn.path() == written.path()) return;
-    const auto angles = turn.numbers(3, 400, "degrees");
-    const bool are_small =
-        std::all_of(angles.begin(), angles.end(), [](double a) { return std::abs(a) < two_pi + 0.01; });
-    if (are_small && std::any_of(angles.begin(), angles.end(), looks_like_rad))
-      add(turn, "looks like rad and is taken as degrees; in rad the key is rpy");
-  }
   /// m from `frame` that a sensor proves free without a return, `most` by the settings of its output.
   double proven_by(const SensorConfig* sensor, const std::string& frame, double most) const {
     if (sensor == nullptr || sensor->model == nullptr || sensor->model->range_max <= 0) return most;
@@ -128,30 +95,13 @@ class Forecast {
     const double range_max = output.output.grid.range_max;
     const double wanted = free_required > 0 ? std::min(free_required, range_max) : range_max;
     if (output.has_visibility() && output.output.unobserved == EmptyBeam::inf)
-      add(value_of(entry, "unobserved"), "is inf: what nobody has seen looks as what is free");
+      add(value_at(entry, "unobserved"), "is inf: what nobody has seen looks as what is free");
     if (!output.has_visibility() || wanted <= proven) return;
-    const Value key = value_of(entry, free_required > 0 ? "free_required" : "range_max");
+    const Value key = value_at(entry, free_required > 0 ? "free_required" : "range_max");
     add(key, "is " + number_text(wanted) + " m, and without return its sources prove no more than " +
                  printed("%.1f m free (by their range and no_return_free_range): in an open field no beam of "
                          "profile strict or safety is free (+inf)",
                          proven));
-  }
-  /// Checks that a sensor sees most of the sector between angle_min and angle_max.
-  void question_sector(const Value& entry, const SensorConfig* sensor, const Sector& sector) {
-    if (sensor == nullptr || sensor->model == nullptr || sensor->model->field.width() <= 0) return;
-    const double end = sensor->model->field.width() / 2;
-    int kept = 0, left_out = 0, wanted = 0;  // degrees
-    for (int deg = -180; deg < 180; ++deg) {
-      const double middle = (deg + 0.5) * rad_per_deg;
-      const bool is_wanted = sector.holds(middle), is_seen = std::abs(middle) <= end;
-      wanted += is_wanted ? 1 : 0;
-      if (is_seen) ++(is_wanted ? kept : left_out);
-    }
-    if (sector.is_line() || left_out == 0 || kept > 0.75 * wanted) return;
-    add(entry,
-        printed("of the %d deg between angle_min and angle_max only %d are in the view of the scanner, "
-                "%.1f to %.1f deg",
-                wanted, kept, -end * deg_per_rad, end * deg_per_rad));
   }
   bool is_merged(const std::string& topic) const {
     return std::any_of(config_.merged_scans.begin(), config_.merged_scans.end(), [&](const auto& merged) {
@@ -175,12 +125,7 @@ class Forecast {
     }
   }
   void check(const SensorConfig& sensor) {
-    const Value entry = value_of(value_of(root_, "sensors"), sensor.name);
-    if (sensor.ip_address && is_no_device(*sensor.ip_address))
-      add(value_of(entry, "ip_address"),
-          "is " + sensor.ip_address->to_string() + ", the address of no device; expected that of the sensor");
-    if (sensor.pose) question(value_of(entry, "pose"), *sensor.pose);
-    question_sector(entry, &sensor, sensor.driver.sector());
+    const Value entry = value_at(value_at(root_, "sensors"), sensor.name);
     const std::string& frame = sensor.points_frame;
     if (frame.empty() || is_placed(sensor.name, frame)) return;
     add(entry,
@@ -189,28 +134,24 @@ class Forecast {
             "frame whose pose is configured, or name a bag with tf (--motion)");
   }
   void check(const MergedScanConfig& merged) {
-    const Value entry = value_of(value_of(root_, "merged_scans"), merged.name);
+    const Value entry = value_at(value_at(root_, "merged_scans"), merged.name);
     double proven = 0;
     for (const std::string& source : merged.laserscan_topics) {
       const SensorConfig* sensor = config_.find_sensor(source);
       const auto set = merged.source_settings.find(source);
       const SourceSettings own = set == merged.source_settings.end() ? SourceSettings() : set->second;
       proven = std::max(proven, proven_by(sensor, merged.destination_frame, own.no_return_free_range));
-      question_sector(value_of(value_of(entry, "source_settings"), source), sensor,
-                      sector_between(own.angle_min, own.angle_max));
     }
     question_reach(entry, merged, proven, merged.free_required);
     check_merged(entry, merged, merged.laserscan_topics, !config_.vehicle.footprint.empty());
   }
   void check(const MergedCloudConfig& merged) {
-    check_merged(value_of(value_of(root_, "merged_clouds"), merged.name), merged, merged.sources, true);
+    check_merged(value_at(value_at(root_, "merged_clouds"), merged.name), merged, merged.sources, true);
   }
   /// `on_vehicle`: the pose of the destination on the vehicle is needed, whatever the sources' frames are.
   template <class Merged>
   void check_merged(const Value& entry, const Merged& merged, const std::vector<std::string>& sources,
                     bool on_vehicle) {
-    if (const Value pose = value_of(entry, "destination_pose"); pose.path() != entry.path())
-      question(pose, *merged.destination_pose);
     const bool is_lost = on_vehicle && !is_known(config_.vehicle.base_frame, merged.destination_frame);
     std::set<std::string> unknown;
     if (is_lost) unknown.insert("destination_frame " + merged.destination_frame);
@@ -226,10 +167,9 @@ class Forecast {
     check_topics(entry, sources);
   }
   void check(const VirtualScanConfig& group) {
-    const Value entry = value_of(value_of(root_, "virtual_scans"), group.name);
+    const Value entry = value_at(value_at(root_, "virtual_scans"), group.name);
     const VehicleConfig& vehicle = config_.vehicle;
     const std::vector<std::string> lidars = config_.lidars_of(group);
-    for (const auto& [frame, pose] : group.poses) question(value_of(value_of(entry, "poses"), frame), pose);
     const double most = group.no_return_free_range > 0 ? group.no_return_free_range : unknown_reach;
     double proven = 0;
     for (const std::string& lidar : lidars) {

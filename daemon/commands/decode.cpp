@@ -31,12 +31,20 @@ std::string text_of(const FoundSensor& sensor) {
 /// The sensor to decode. Throws std::runtime_error if there is none, or there are several.
 FoundSensor choose_sensor(const DecodeOptions& options, const Model* model, std::ostream& err) {
   const auto wanted = [&](const Packet& packet) { return is_wanted(packet, options); };
-  Survey found = survey_of_sensors({options.capture}, err, {model, wanted, true});
-  if (found.sensors.size() == 1) return std::move(found.sensors.front());
-  std::string several = options.capture + ": " + std::to_string(found.sensors.size()) +
-                        " sensors found; choose one with --source and --port:";
-  for (const FoundSensor& sensor : found.sensors) several += "\n  " + text_of(sensor);
-  throw std::runtime_error(several);
+  const bool is_chosen = options.source || options.source_port != 0 || options.port != 0;
+  Survey found = survey({options.capture}, {model, wanted, true});
+  const bool is_elsewhere = is_chosen && found.sensors.empty();
+  if (is_elsewhere || found.sensors.empty())
+    found = survey_of_sensors({options.capture}, err, {model, {}, true});
+  else if (!found.captures[0].error.empty())
+    err << found.captures[0].error << '\n';
+  if (found.sensors.size() == 1 && !is_elsewhere) return std::move(found.sensors.front());
+  std::string others = options.capture + ": " +
+                       (is_elsewhere ? "no lidar's packets with this --source and --port, but there are:"
+                                     : std::to_string(found.sensors.size()) +
+                                           " sensors found; choose one with --source and --port:");
+  for (const FoundSensor& sensor : found.sensors) others += "\n  " + text_of(sensor);
+  throw std::runtime_error(others);
 }
 
 class WriterOutput final : public DriverOutput {

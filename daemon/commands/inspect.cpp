@@ -160,6 +160,20 @@ void print_unknown(const Survey& survey, const Json& list, std::ostream& out) {
   if (survey.uncounted > 0) out << "# and " << survey.uncounted << " datagrams of further senders\n";
 }
 
+/// What a configuration has beside its sensors, as comments.
+std::string outputs_to_edit(const Survey& survey) {
+  std::string scanners, lidars;
+  for (const FoundSensor& sensor : survey.sensors)
+    append(sensor.model->kind == FrameKind::scan ? scanners : lidars, sensor.name);
+  std::string yaml =
+      "# vehicle:\n"
+      "#   base_frame: base_link\n"
+      "#   footprint: [[-1, -0.5], [1, -0.5], [1, 0.5], [-1, 0.5]]  # edit: m, x ahead and y left\n";
+  if (!scanners.empty()) yaml += "# merged_scans:\n#   scan: {laserscan_topics: [" + scanners + "]}\n";
+  if (!lidars.empty()) yaml += "# merged_clouds:\n#   cloud: {sources: [" + lidars + "]}\n";
+  return yaml;
+}
+
 void print_text(const Survey& survey, const Json& all, std::ostream& out) {
   print_captures(survey, out);
   print_sensors(survey, all["sensors"], out);
@@ -167,7 +181,7 @@ void print_text(const Survey& survey, const Json& all, std::ostream& out) {
   if (survey.sensors.empty()) return;
   out << "#\n# This output is a configuration that replays them:\n"
       << "#   lidard inspect CAPTURE > FILE.yaml; lidard replay -c FILE.yaml --pcap CAPTURE\n"
-      << config_of(survey);
+      << config_of(survey) << outputs_to_edit(survey);
 }
 
 }  // namespace

@@ -164,6 +164,12 @@ bool Player::play_once(const std::function<bool()>& stop) {
   return started_;
 }
 
+std::string Player::why_nothing() const {
+  if (started_ || skipped_ == 0) return {};
+  return printed("--start %g: the capture ends before, after %.1f s", options_.start,
+                 seconds(round_.newest - round_.begin));
+}
+
 void Player::play(const std::function<bool()>& stop) {
   bool more = play_once(stop);
   while (more && options_.loop && !stop()) {

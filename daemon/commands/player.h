@@ -38,6 +38,8 @@ class Player {
   double played_s() const { return seconds(last_ - begin_); }
   /// Datagrams before `start`, not played.
   std::uint64_t skipped() const { return skipped_; }
+  /// Why nothing was played; empty: something was, or the capture holds nothing.
+  std::string why_nothing() const;
 
  private:
   bool play_once(const std::function<bool()>& stop);

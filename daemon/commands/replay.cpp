@@ -58,6 +58,7 @@ struct Replay {
       player.play(*topics, stopped);
     else
       player.play(stopped);
+    if (const std::string why = player.why_nothing(); !why.empty()) throw std::runtime_error(why);
     report(out, err);
     const auto outputs = pipeline.output_report();
     print_outputs("output", outputs, out);

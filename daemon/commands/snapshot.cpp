@@ -115,8 +115,19 @@ double play(std::optional<double> at, double length, const Scene& scene, MergedC
   return std::max(due, played);
 }
 
-std::string nothing_there(const Scene& scene, double at, double length) {
+std::string nothing_there(const Scene& scene, const std::vector<std::string>& captures, double at,
+                          double length) {
   if (!scene.why_no_frame.empty()) return scene.why_no_frame;
+  const auto& sensors = scene.config.sensors;
+  for (const FoundSensor& found : survey(captures).sensors) {
+    const bool is_known = std::any_of(sensors.begin(), sensors.end(), [&](const SensorConfig& sensor) {
+      return sensor.model == found.model && sensor.ip_port == found.data.port &&
+             sensor.ip_address.value_or(found.data.address) == found.data.address;
+    });
+    if (!is_known)
+      return "the packets are of " + std::string(found.model->name) + " " + found.data.to_string() +
+             ", which is no sensor of the configuration; correct its model, ip_address or ip_port";
+  }
   return "no sensor of the configuration had completed a frame after " + fixed(at, 3) +
          " s of the capture, which is " + fixed(length, 3) +
          " s long; give a later --at, or see `lidard inspect` for what it holds";
@@ -140,7 +151,7 @@ SnapshotView view_of(const SnapshotOptions& options, const Scene& scene) {
   BagPoses motion(options.motion, scene.config.vehicle);
   FrameKeeper frames;
   const double at = play(options.at, length, scene, capture, motion, frames);
-  if (frames.empty()) throw std::runtime_error(nothing_there(scene, at, length));
+  if (frames.empty()) throw std::runtime_error(nothing_there(scene, options.captures, at, length));
   const FrameTree poses(scene.config, motion);
   SnapshotView view = make_view(scene.config, poses, frames, options.areas);
   if (std::all_of(view.layers.begin(), view.layers.end(), [](const auto& l) { return l.points.empty(); }))

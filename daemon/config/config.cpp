@@ -129,6 +129,7 @@ Config parse_config(const std::string& text, const std::string& name) {
     mistakes.attempt([&] { read_part(root, reading); });
   mistakes.throw_if_any();
   warn_of_unused(root, reading);
+  add_remarks(file, reading);
   return std::move(reading.config);
 }
 

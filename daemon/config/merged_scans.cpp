@@ -1,8 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
 // `merged_scans:` of a configuration.
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <set>
 
@@ -161,25 +159,6 @@ void read_free_requires(const Mapping& yaml, const SourceList& list, Merged& mer
   }
 }
 
-/// A beam is free where one scanner sees it: what stands at the height of another one may be lower or higher.
-void ask_about_heights(const Mapping& yaml, const SourceList& list, const Merged& merged, Reading& reading) {
-  constexpr double one_height = 0.2;  // m
-  if (!merged.has_visibility() || !merged.free_requires.empty()) return;
-  std::optional<double> lowest, highest;
-  for (const NamedSource& source : list.named) {
-    if (source.sensor == nullptr || !source.sensor->pose) continue;
-    const double z = source.sensor->pose->translation().z();
-    lowest = std::min(lowest.value_or(z), z);
-    highest = std::max(highest.value_or(z), z);
-  }
-  if (!lowest || *highest - *lowest <= one_height) return;
-  reading.warn(
-      yaml.where("laserscan_topics").place(),
-      fmt::format("{} merges scanners {:.2f} to {:.2f} m high: a beam is free where one of them sees its "
-                  "way, whatever stands lower or higher; name those that must see it in free_requires",
-                  yaml.self().path(), *lowest, *highest));
-}
-
 void claim_topics(const Mapping& yaml, const Merged& merged, Reading& reading) {
   const std::string& owner = yaml.self().path();
   const auto claim = [&](const std::string& topic, std::string_view key) {
@@ -250,7 +229,6 @@ Merged read_merged(const std::string& name, const Value& entry, Reading& reading
   mistakes.attempt([&] { check_policy(yaml, sources, merged.schedule); });
   mistakes.throw_if_any();
   warn_without_footprint(yaml, merged, reading);
-  ask_about_heights(yaml, sources, merged, reading);
   return merged;
 }
 

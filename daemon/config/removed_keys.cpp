@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fnmatch.h>
 
+#include <algorithm>
+
 #include "daemon/config/yaml_reader.h"
 
 namespace lidard {
@@ -46,7 +48,52 @@ constexpr RemovedKey removed_keys[] = {
     {"virtual_scans.*.range_noise", "no such key: 0.02 m, that of the lidars that give clouds"},
 };
 
+/// What other drivers call a key, with | between the names.
+struct Synonym {
+  const char *section, *called, *ours;
+};
+
+constexpr Synonym synonyms[] = {
+    {"", "sensor|lidars|lidar|scanners|devices", "sensors"},
+    {"vehicle.", "frame|frame_id|robot_frame|robot_base_frame|base_link", "base_frame"},
+    {"vehicle.", "outline|polygon|shape", "footprint"},
+    {"vehicle.", "odom_frame|fixed_frame", "odometry_frame"},
+    {"sensors.*.", "type|lidar_type|sensor_type|sensor_model|scanner_type|device_type|product", "model"},
+    {"sensors.*.", "hostname|host|ip|address|device_ip|sensor_ip|scanner_ip|lidar_ip", "ip_address"},
+    {"sensors.*.", "port|udp_port|data_port|tcp_port|msop_port|host_port|lidar_port", "ip_port"},
+    {"sensors.*.", "host_ip|host_address|receiver_ip|destination_ip|pc_ip", "udp_receiver_ip (SICK)"},
+    {"sensors.*.", "gps_port|position_port|gnss_port|difop_port", "telemetry_port"},
+    {"sensors.*.", "multicast_ip|multicast_address|multicast_addr|group_ip", "multicast_group"},
+    {"sensors.*.", "frame|frame_name|laser_frame_id|sensor_frame|laser_frame", "frame_id"},
+    {"sensors.*.", "position|transform|xyz|translation|extrinsics|mount|rpy|rpy_deg",
+     "pose: {xyz: [x, y, z], rpy_deg: [roll, pitch, yaw]}"},
+    {"sensors.*.", "rpm|return_mode", "control: {rpm: …, returns: …} of a Velodyne, or no such key"},
+    {"sensors.*.", "min_ang|min_angle|angle_start|start_angle", "angle_min"},
+    {"sensors.*.", "max_ang|max_angle|angle_end|end_angle", "angle_max"},
+    {"sensors.*.", "calibration_file|correction_file|calib_file", "calibration"},
+    {"sensors.*.", "pcap|pcap_file", "no such key; `lidard replay --pcap FILE` plays captures"},
+    {"merged_scans.*.", "sources|topics|input_topics|scan_topics|scans|sensors", "laserscan_topics"},
+    {"merged_clouds.*.", "laserscan_topics|topics|input_topics|cloud_topics|sensors", "sources"},
+    {"merged_*.*.", "frame_id|target_frame|output_frame|frame", "destination_frame"},
+    {"merged_scans.*.", "topic|output_topic|scan_topic", "scan_destination_topic"},
+    {"merged_clouds.*.", "topic|output_topic|cloud_topic", "destination_topic"},
+    {"merged_*.*.", "frequency|publish_rate|hz", "rate"},
+    {"virtual_scans.*.", "source|sources|sensor|cloud|cloud_in", "cloud_topic"},
+    {"virtual_scans.*.", "frames|frame|frame_id|target_frame", "virtual_laser_scan"},
+    {"virtual_scans.*.", "topic|output_topic|scan_topic", "output_laser_topic"},
+};
+
 }  // namespace
+
+std::string_view ours_for(const std::string& path) {
+  const auto depth = [](std::string_view text) { return std::count(text.begin(), text.end(), '.'); };
+  for (const Synonym& one : synonyms) {
+    if (depth(one.section) != depth(path)) continue;
+    const std::string pattern = std::string(one.section) + "@(" + one.called + ")";
+    if (::fnmatch(pattern.c_str(), path.c_str(), FNM_EXTMATCH | FNM_CASEFOLD) == 0) return one.ours;
+  }
+  return {};
+}
 
 std::string_view instead_of(const std::string& path) {
   for (const RemovedKey& key : removed_keys) {

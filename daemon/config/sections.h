@@ -19,6 +19,11 @@ void read_merged_clouds(Mapping& root, Reading& reading);
 void read_virtual_scans(Mapping& root, Reading& reading);
 void read_black_box(Mapping& root, Reading& reading);
 
+/// Remarks about a configuration without mistakes: what is possible, and hardly meant.
+void add_remarks(const Value& root, Reading& reading);
+/// m from a point to a footprint; 0: inside, or there is none.
+double distance_to(const std::vector<Eigen::Vector2d>& footprint, const Eigen::Vector2d& point);
+
 /// `filter:` of a sensor, and what its keys have to fulfil together.
 Keys<SensorConfig> filter_rows();
 void check_filter(Mapping& parent, SensorConfig& sensor);

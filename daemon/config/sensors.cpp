@@ -290,8 +290,6 @@ void read_calibration(Mapping& yaml, SensorConfig& sensor, Reading& reading) {
   calibration->model = model ? read_calibration_model(*model) : usual_equations(*calibration, *sensor.model);
   const std::string rejection = calibration_rejection(*calibration, *sensor.model);
   if (!rejection.empty()) file->fail(rejection, "the calibration of this sensor");
-  const std::string warning = calibration_warning(*calibration, *sensor.model);
-  if (!warning.empty()) reading.warn(file->place(), file->path() + " " + warning);
   sensor.driver.calibration = std::move(calibration);
 }
 

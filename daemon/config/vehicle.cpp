@@ -1,6 +1,8 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
 // `vehicle:` and `blackbox:` of a configuration.
+// Boost.Geometry includes a header that Boost itself calls deprecated.
+#define BOOST_ALLOW_DEPRECATED_HEADERS
 #include <boost/geometry.hpp>
 #include <boost/geometry/geometries/point_xy.hpp>
 #include <boost/geometry/geometries/polygon.hpp>
@@ -76,6 +78,15 @@ void check_motion(const Mapping& yaml, const VehicleConfig& vehicle) {
 }
 
 }  // namespace
+
+double distance_to(const std::vector<Point>& footprint, const Point& point) {
+  if (footprint.empty()) return 0;
+  Outline outline;
+  for (const Point& vertex : footprint)
+    geometry::append(outline, Outline::point_type(vertex.x(), vertex.y()));
+  geometry::correct(outline);
+  return geometry::distance(Outline::point_type(point.x(), point.y()), outline);
+}
 
 const Keys<VehicleConfig>& vehicle_keys() {
   using V = VehicleConfig;

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/config/yaml_reader.h"
 
-#include <yaml-cpp/eventhandler.h>
-
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
@@ -105,67 +103,22 @@ std::vector<YAML::Node> with_merged(const Value& value, const YAML::Node& map, s
   return all;
 }
 
-/// UTF-16 of other systems: yaml-cpp reads it, but other tools do not.
-void refuse_utf16(const std::string& text, const Place& top) {
-  const bool has_mark = text.compare(0, 2, "\xFF\xFE") == 0 || text.compare(0, 2, "\xFE\xFF") == 0;
-  const bool has_zero = text.size() > 1 && (text[0] == '\0') != (text[1] == '\0');
-  if (has_mark || has_zero)
-    fail_at(top, "the file is UTF-16", "UTF-8 (`iconv -f UTF-16 -t UTF-8`, or another encoding when saving)");
-}
-
-/// Records where a document begins; ignores all other events.
-class DocumentStart : public YAML::EventHandler {
- public:
-  void OnDocumentStart(const YAML::Mark& mark) override { mark_ = mark; }
-  void OnDocumentEnd() override {}
-  void OnNull(const YAML::Mark& /*mark*/, YAML::anchor_t /*anchor*/) override {}
-  void OnAlias(const YAML::Mark& /*mark*/, YAML::anchor_t /*anchor*/) override {}
-  void OnScalar(const YAML::Mark& /*mark*/, const std::string& /*tag*/, YAML::anchor_t /*anchor*/,
-                const std::string& /*value*/) override {}
-  void OnSequenceStart(const YAML::Mark& /*mark*/, const std::string& /*tag*/, YAML::anchor_t /*anchor*/,
-                       YAML::EmitterStyle::value /*style*/) override {}
-  void OnSequenceEnd() override {}
-  void OnMapStart(const YAML::Mark& /*mark*/, const std::string& /*tag*/, YAML::anchor_t /*anchor*/,
-                  YAML::EmitterStyle::value /*style*/) override {}
-  void OnMapEnd() override {}
-  const YAML::Mark& mark() const { return mark_; }
-
- private:
-  YAML::Mark mark_ = YAML::Mark::null_mark();
-};
-
-/// YAML::Load() ignores text after the first document, and YAML::LoadAll() of yaml-cpp 0.7 loops for ever on
-/// a stray "," or "]".
-void refuse_second_document(const std::string& text, const Place& top) {
-  std::istringstream stream(text);
-  YAML::Parser parser(stream);
-  DocumentStart start;
-  if (parser.HandleNextDocument(start) && parser.HandleNextDocument(start))
-    fail_at(place_of(start.mark(), top), "a second YAML document begins, or what is no YAML",
-            "one document per file");
-}
-
-/// The parser's message does not mention the tab.
-bool is_indented_with_tab(const std::string& text, int line) {
-  std::istringstream lines(text);
-  std::string content;
-  for (int i = 0; i < line; ++i) std::getline(lines, content);
-  return content.substr(0, content.find_first_not_of(" \t")).find('\t') != std::string::npos;
-}
-
 std::string comma_list(const std::vector<std::string_view>& words) {
   std::string list;
-  for (const std::string_view word : words) list.append(list.empty() ? "" : ", ").append(word);
-  return list;
+  for (auto word = words.begin(); word != words.end(); ++word) {
+    if (std::find(words.begin(), word, *word) == word) list.append(list.empty() ? "" : ", ").append(*word);
+  }
+  return list.find(',') == std::string::npos ? list : "one of " + list;
 }
 
 [[noreturn]] void fail_unknown(const std::string& key, const Value& entry,
                                const std::vector<std::string_view>& known_keys) {
   if (const std::string_view instead = instead_of(entry.path()); !instead.empty())
     fail_at(entry.key_place(), entry.path() + " is a key of former versions", std::string(instead));
-  const std::string_view near = nearest_word(key, known_keys);
+  std::string_view near = ours_for(entry.path());
+  if (near.empty()) near = nearest_word(key, known_keys);
   fail_at(entry.key_place(), "unknown key " + entry.path(),
-          near.empty() ? "one of " + comma_list(known_keys) : std::string(near));
+          near.empty() ? comma_list(known_keys) : std::string(near));
 }
 
 // A configuration is a few kB, a calibration some 100 kB.
@@ -357,21 +310,7 @@ std::vector<std::pair<std::string, Value>> named_entries(const Value& value, Mis
   return entries;
 }
 
-Value parse_yaml(const std::string& text, const std::string& file) {
-  const Place top{file, 1, 1};
-  try {
-    refuse_utf16(text, top);
-    refuse_second_document(text, top);
-    const YAML::Node root = YAML::Load(text);
-    const Place begin = root.IsNull() ? top : place_of(root.Mark(), top);
-    return {root, begin, begin, ""};
-  } catch (const YAML::Exception& error) {
-    const Place place = place_of(error.mark, top);
-    const bool tab = is_indented_with_tab(text, place.line);
-    fail_at(place, "not YAML: " + (tab ? "a tab in the indentation" : printable(error.msg)),
-            "`key: value` lines, indented with blanks");
-  }
-}
+Value value_at(const Value& mapping, std::string_view key) { return Mapping(mapping, {}).where(key); }
 
 std::string read_file(const std::string& path, const std::string& expected) {
   // One that waits for a writer would hold up a reload, and with it the end of the daemon.

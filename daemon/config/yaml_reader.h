@@ -22,6 +22,9 @@ constexpr double most_turn_rad = 6.284;
 /// such key.
 std::string_view instead_of(const std::string& path);
 
+/// The key that stands for one of other drivers, like sensors.a.hostname; empty: not known.
+std::string_view ours_for(const std::string& path);
+
 /// Text from elsewhere on one line: control characters become question marks.
 std::string printable(std::string text);
 
@@ -111,6 +114,9 @@ class Mapping {
 /// The entries of a mapping with names chosen by the user, in the order of the file. Keys that are not plain
 /// text or repeated are mistakes; with `mistakes` only these entries are left out.
 std::vector<std::pair<std::string, Value>> named_entries(const Value& value, Mistakes* mistakes = nullptr);
+
+/// The value of `key` or `key`_deg, or the mapping itself if both are missing; for messages.
+Value value_at(const Value& mapping, std::string_view key);
 
 /// Parses one YAML document; throws ConfigError for syntax errors and more than one document.
 Value parse_yaml(const std::string& text, const std::string& file);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include <algorithm>
+#include <cstdlib>
 #include <optional>
 #include <ostream>
 #include <string_view>
@@ -9,6 +10,7 @@
 #include "daemon/commands/commands.h"
 #include "daemon/config/config.h"
 #include "daemon/dropin/dropin.h"
+#include "daemon/live/runtime_socket.h"
 #include "daemon/pipeline/log.h"
 #include "daemon/ros/master/environment.h"
 
@@ -85,6 +87,10 @@ int run_setup(const Dropin& dropin, const Arguments& arguments, std::ostream& ou
   const std::string yaml = setup.yaml();
   log_info("the same as a configuration for `lidard run`:\n{}", yaml);
   const Config config = parse_config(yaml, "parameters of " + node);
+  // Several drop-ins run beside each other.
+  std::string name = node.substr(1);
+  std::replace(name.begin(), name.end(), '/', '-');
+  ::setenv("LIDARD_SOCKET", (runtime_folder() + "/" + name + ".control").c_str(), 0);
   setup.replay.ros = {dropin.node, arguments, dropin.reconfigure};
   if (setup.replay.captures.empty()) return run_daemon(config, setup.replay.ros, err);
   return run_replay(setup.replay, config, out, err);

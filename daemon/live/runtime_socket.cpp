@@ -15,6 +15,7 @@
 #include <istream>
 #include <memory>
 #include <stdexcept>
+#include <vector>
 
 namespace lidard {
 namespace {
@@ -54,6 +55,13 @@ std::string runtime_socket_path() {
 std::string running_socket_path() {
   std::string own = runtime_socket_path();
   if (!environment("LIDARD_SOCKET").empty() || access(own.c_str(), F_OK) == 0) return own;
+  // A drop-in's socket has the name of its node; only one alone is found without it.
+  std::vector<std::string> named;
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator(runtime_folder(), ignored)) {
+    if (entry.path().extension() == ".control") named.push_back(entry.path());
+  }
+  if (named.size() == 1) return named.front();
   // A user's session has XDG_RUNTIME_DIR, the service has not.
   return std::string(service_folder) + "/control";
 }

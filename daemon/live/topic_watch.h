@@ -37,6 +37,8 @@ class TopicWatch {
     if (latency >= Span(0) && latency < longest_way) latencies_.add(latency);
   }
 
+  /// The newest release; 1970: none.
+  Stamp newest() const { return releases_.count > 0 ? releases_.back(0) : Stamp(); }
   TopicFigures figures(Stamp now) const {
     TopicFigures out;
     out.frames = frames_;

@@ -195,9 +195,10 @@ DiagnosticItem settings_item(const SensorConfig& config, const SettingsStatus& s
 DiagnosticItem unknown_senders_item(const std::vector<std::string>& senders) {
   DiagnosticItem item{"unknown senders", "none"};
   item.set(Health::warn,
-           senders.front() + (senders.size() > 1 ? " and others send" : " sends") +
-               " to a port of ours but belong to no sensor; add them to the configuration, or correct an "
-               "ip_address");
+           senders.front() +
+               (senders.size() > 1 ? " and others send to a port of ours but belong to no sensor; add them"
+                                   : " sends to a port of ours but belongs to no sensor; add it") +
+               " to the configuration, or correct an ip_address");
   for (std::size_t i = 0; i < senders.size(); ++i) item.add("Sender " + std::to_string(i + 1), senders[i]);
   return item;
 }

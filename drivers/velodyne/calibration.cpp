@@ -111,12 +111,32 @@ Calibration table_of(const ModelRow& row) {
   return calibration;
 }
 
+namespace {
+
+/// The largest difference of the elevations, from the lowest laser to the highest; infinite: of their number.
+double elevation_gap_deg(const Calibration& calibration, const ModelRow& row) {
+  const auto elevations = [](const Calibration& one) {
+    std::vector<double> all;
+    for (const LaserCalibration& laser : one.lasers) all.push_back(laser.vert_correction * deg_per_rad);
+    std::sort(all.begin(), all.end());
+    return all;
+  };
+  const std::vector<double> own = elevations(calibration), usual = elevations(table_of(row));
+  if (own.size() != usual.size()) return std::numeric_limits<double>::infinity();
+  double gap = 0;
+  for (std::size_t i = 0; i < own.size(); ++i) gap = std::max(gap, std::abs(own[i] - usual[i]));
+  return gap;
+}
+
+}  // namespace
+
 }  // namespace velodyne
 
 bool operator==(const LaserCalibration& a, const LaserCalibration& b) {
   return velodyne::all_of(a) == velodyne::all_of(b);
 }
 
+using velodyne::elevation_gap_deg;
 using velodyne::row_of;
 
 Calibration table_calibration(const Model& model) {
@@ -143,11 +163,21 @@ std::string calibration_rejection(const Calibration& calibration, const Model& m
 
 std::string calibration_warning(const Calibration& calibration, const Model& model) {
   if (!model.has(Trait::calibration)) return {};
-  const double usual = row_of(model).distance_step_m;
-  if (std::abs(calibration.distance_step_m - usual) < 1e-6) return {};
+  const velodyne::ModelRow& row = row_of(model);
   const auto mm = [](double m) { return printed("%g mm", std::round(m * 1e6) / 1e3); };
-  return "has a distance step of " + mm(calibration.distance_step_m) + ", but " + std::string(model.product) +
-         " counts in " + mm(usual) + ": is it the right file?";
+  if (std::abs(calibration.distance_step_m - row.distance_step_m) > 1e-6)
+    return "has a distance step of " + mm(calibration.distance_step_m) + ", but " +
+           std::string(model.product) + " counts in " + mm(row.distance_step_m) + ": is it the right file?";
+  if (needs_own_calibration(model)) return {};
+  constexpr double most_between_units_deg = 1;
+  const double gap = elevation_gap_deg(calibration, row);
+  if (gap < most_between_units_deg) return {};
+  std::string other;
+  for (const velodyne::ModelRow* each : velodyne::model_rows()) {
+    if (elevation_gap_deg(calibration, *each) < gap / 2) other = ", and fits " + std::string(each->product);
+  }
+  return printed("has elevations up to %.1f deg off those of ", gap) + std::string(model.product) + other +
+         ": is it the right file?";
 }
 
 }  // namespace lidard

@@ -96,6 +96,13 @@ class Packages(unittest.TestCase):
                               ("lidard-pcl", "usr/lib/lidard/modules/lidard_outliers.so")):
             self.assertNotIn(".symtab", must_run("readelf", "-SW", self.unpacked(package) / name))
 
+    def test_programs_depend_on_their_libraries(self):
+        # Without dpkg-shlibdeps a package has no such line, and installs where nothing of it runs.
+        for package in ("lidard", "lidard-pcl", "lidard-sim"):
+            said = must_run("dpkg", "-I", self.files[package])
+            self.assertRegex(said, r"\n Depends: .*\blibc6 \(>= ", package)
+        self.assertTrue([name for name in self.depends("lidard") if name.startswith("libroscpp")])
+
     def test_a_vehicle_needs_neither_pcl_nor_headers(self):
         heavy = [name for name in self.depends("lidard") if re.search(r"pcl|vtk|boost|-dev$|python|rviz", name)]
         self.assertEqual(heavy, [])

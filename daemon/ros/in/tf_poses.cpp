@@ -8,8 +8,10 @@
 #include <tf2_ros/transform_listener.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 #include <fstream>
 #include <stdexcept>
 
@@ -145,7 +147,9 @@ void BagPoses::read_bag(const std::string& path) {
 }
 
 void BagPoses::read_table(const std::string& path) {
+  errno = 0;
   std::ifstream file(path);
+  if (!file) throw std::runtime_error(path + ": cannot be opened: " + std::strerror(errno));
   std::string line;
   for (std::size_t number = 1; std::getline(file, line); ++number) {
     double stamp = 0, x = 0, y = 0, yaw = 0;

@@ -311,7 +311,8 @@ void PublisherThread::withdraw(bool leave) {
 
 TopicFigures PublisherThread::figures_of(const Output& output, Stamp now) {
   std::unique_lock lock(mutex_);
-  TopicFigures figures = output.watch.figures(now);
+  // A replay releases frames at the times of the capture.
+  TopicFigures figures = output.watch.figures(block_ ? output.watch.newest() : now);
   figures.dropped = output.dropped;
   lock.unlock();
   figures.lost = output.lost;

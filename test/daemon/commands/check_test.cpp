@@ -105,11 +105,11 @@ TEST_F(Check, QuestionsAPoseInMillimetresOrDegreesThatLookLikeRad) {
       0);
   EXPECT_EQ(
       err_.str(),
-      path_ + ":2:50: sensors.mm.pose: is 966 m away; are its numbers in m, and not in mm?\n" + path_ +
-          ":3:74: sensors.rad.pose.rpy_deg: looks like rad and is taken as degrees; in rad the key is rpy\n" +
+      path_ + ":2:50: sensors.mm.pose is 966 m away; are its numbers in m, and not in mm?\n" + path_ +
+          ":3:74: sensors.rad.pose.rpy_deg looks like rad and is taken as degrees; in rad the key is rpy\n" +
           path_ +
-          ":7:74: merged_scans.all.destination_pose: is 30 m away; are its numbers in m, and not in mm?\n" +
-          path_ + ":8:76: virtual_scans.v.poses.high: is 50 m away; are its numbers in m, and not in mm?\n");
+          ":7:74: merged_scans.all.destination_pose is 30 m away; are its numbers in m, and not in mm?\n" +
+          path_ + ":8:76: virtual_scans.v.poses.high is 50 m away; are its numbers in m, and not in mm?\n");
 }
 
 TEST_F(Check, QuestionsAddressesThatNoSensorHas) {
@@ -118,13 +118,13 @@ TEST_F(Check, QuestionsAddressesThatNoSensorHas) {
                   "  front: {model: sick_lms1xx, ip_address: 0.0.0.0}\n"
                   "  rear: {model: sick_lms1xx, ip_address: 10.0.0.0}\n"),
             0);
-  EXPECT_EQ(err_.str(),
-            path_ +
-                ":2:33: sensors.roof.ip_address: is 255.255.255.255, the address of no device; expected "
-                "that of the sensor\n" +
-                path_ +
-                ":3:31: sensors.front.ip_address: is 0.0.0.0, the address of no device; expected that of the "
-                "sensor\n");
+  EXPECT_EQ(
+      err_.str(),
+      path_ +
+          ":2:33: sensors.roof.ip_address is 255.255.255.255, the address of no device; set "
+          "that of the sensor\n" +
+          path_ +
+          ":3:31: sensors.front.ip_address is 0.0.0.0, the address of no device; set that of the sensor\n");
 }
 
 TEST_F(Check, QuestionsAReachBeyondEverySource) {
@@ -139,9 +139,10 @@ TEST_F(Check, QuestionsAReachBeyondEverySource) {
   EXPECT_EQ(merged("profile: strict"), "");
   EXPECT_EQ(merged("range_max: 200"), "") << "flatten proves nothing";
   EXPECT_EQ(merged("profile: strict, range_max: 200, free_required: 10"), "");
-  EXPECT_NE(merged("profile: strict, range_max: 200")
-                .find("merged_scans.s.range_max: is 200 m, and without return its sources prove no more than"),
-            std::string::npos)
+  EXPECT_NE(
+      merged("profile: strict, range_max: 200")
+          .find("merged_scans.s.range_max: is 200 m, and without return its sources prove no more than"),
+      std::string::npos)
       << err_.str();
   EXPECT_NE(merged("also: {s2: safety}, range_max: 200").find("is free (+inf)"), std::string::npos)
       << err_.str();
@@ -184,17 +185,17 @@ TEST_F(Check, QuestionsASectorThatTheScannerDoesNotSee) {
   };
   sector("angle_min_deg: 90, angle_max_deg: 270");
   EXPECT_TRUE(
-      says("sensors.a: of the 180 deg between angle_min and angle_max only 94 are in the view of the "
-           "scanner, -137.5 to 137.5 deg"))
+      says("sensors.a.angle_min_deg begins a sector of 180 deg to angle_max, of which only 94 are in the "
+           "view of the scanner, -137.5 to 137.5 deg"))
       << err_.str();
   sector("angle_min_deg: 150, angle_max_deg: -150");
-  EXPECT_TRUE(says("of the 60 deg between angle_min and angle_max only 0 are")) << err_.str();
+  EXPECT_TRUE(says("begins a sector of 60 deg to angle_max, of which only 0 are")) << err_.str();
   check(
       "sensors: {a: {model: sick_microscan3, ip_address: 10.0.0.1}}\nmerged_scans: {m: {laserscan_topics: "
       "[a], "
       "source_settings: {a: {angle_min_deg: 150, angle_max_deg: 200}}}}\n");
   EXPECT_TRUE(
-      says("merged_scans.m.source_settings.a: of the 50 deg between angle_min and angle_max only 0 are"))
+      says("source_settings.a.angle_min_deg begins a sector of 50 deg to angle_max, of which only 0 are"))
       << err_.str();
 }
 

@@ -116,6 +116,7 @@ TEST(Columns, OfAnOverviewKeepItsWidth) {
   EXPECT_EQ(lines[1], "OK     short                  few words");
   EXPECT_EQ(lines[2], "ERROR  " + name) << "a long name has a line of its own";
   EXPECT_EQ(lines[3], std::string(30, ' ') + word.substr(0, 50));
+  EXPECT_EQ(lines_of(table, 100)[2], "ERROR  " + name + "  " + word.substr(0, 61)) << "a wide terminal";
   EXPECT_EQ(lines_of(table, 0).size(), 3U) << "without a width one line for each row";
 }
 

@@ -120,21 +120,21 @@ TEST_P(SharedCalibration, FitsItsModelOnly) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Files, SharedCalibration,
-                         ::testing::Values(SharedFile{"VLP16.yaml", 16, 0.002, "velodyne_vlp16", 0},
-                                           SharedFile{"VLP16_hires.yaml", 16, 0.002, "velodyne_vlp16", 0},
-                                           SharedFile{"VLP32.yaml", 32, 0.004, "velodyne_vlp32c", 0},
-                                           SharedFile{"VLP32MR.yaml", 32, 0.004, "velodyne_vlp32c", 0},
-                                           SharedFile{"HDL32.yaml", 32, 0.002, "velodyne_hdl32e", 0},
-                                           SharedFile{"HDL64e_utexas.yaml", 64, 0.002, "velodyne_hdl64e_s2",
-                                                      0},
-                                           SharedFile{"HDL64e_s2.yaml", 64, 0.002, "velodyne_hdl64e_s2", 1},
-                                           SharedFile{"HDL64e_s3.yaml", 64, 0.002, "velodyne_hdl64e_s3", 1},
-                                           SharedFile{"VLS128.yaml", 128, 0.004, "velodyne_vls128", 1}),
-                         [](const auto& file) {
-                           const std::string name = file.param.name;
-                           return name.substr(0, name.find('.'));
-                         });
+INSTANTIATE_TEST_SUITE_P(
+    Files, SharedCalibration,
+    ::testing::Values(SharedFile{"VLP16.yaml", 16, 0.002, "velodyne_vlp16", 0},
+                      SharedFile{"VLP16_hires.yaml", 16, 0.002, "velodyne_puck_hires", 0},
+                      SharedFile{"VLP32.yaml", 32, 0.004, "velodyne_vlp32c", 0},
+                      SharedFile{"VLP32MR.yaml", 32, 0.004, "velodyne_vlp32c", 0},
+                      SharedFile{"HDL32.yaml", 32, 0.002, "velodyne_hdl32e", 0},
+                      SharedFile{"HDL64e_utexas.yaml", 64, 0.002, "velodyne_hdl64e_s2", 0},
+                      SharedFile{"HDL64e_s2.yaml", 64, 0.002, "velodyne_hdl64e_s2", 1},
+                      SharedFile{"HDL64e_s3.yaml", 64, 0.002, "velodyne_hdl64e_s3", 1},
+                      SharedFile{"VLS128.yaml", 128, 0.004, "velodyne_vls128", 1}),
+    [](const auto& file) {
+      const std::string name = file.param.name;
+      return name.substr(0, name.find('.'));
+    });
 
 TEST(CalibrationFile, TellsOfTheWrongStepOfVls128Files) {
   LIDARD_NEED_CAPTURE(path, "calibration/VLS128.yaml");

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -33,8 +34,9 @@ class ConfigCalibration : public ::testing::Test {
   static std::string calibration(int lasers, double step) {
     std::string text = "distance_resolution: " + std::to_string(step) + "\nlasers:\n";
     for (int i = 0; i < lasers; ++i)
-      text += "- {laser_id: " + std::to_string(i) + ", rot_correction: 0, vert_correction: 0." +
-              std::to_string(i) + "}\n";
+      text += "- {laser_id: " + std::to_string(i) +
+              ", rot_correction: 0, vert_correction: " + std::to_string((2 * i - 15) * M_PI / 180) +
+              "}\n";  // those of a VLP-16
     return text;
   }
   /// The configuration of a VLP-16 named a with these keys, which begin in column 39.
@@ -135,7 +137,7 @@ TEST_F(ConfigCalibration, AStepThatIsNotTheModelsIsAWarning) {
   const Config config = parse("calibration: " + good_);
   ASSERT_EQ(config.warnings.size(), 1U);
   EXPECT_THAT(config.warnings[0],
-              HasSubstr("config_calibration.yaml:1:51: sensors.a.calibration has a distance "
+              HasSubstr("config_calibration.yaml:1:38: sensors.a.calibration has a distance "
                         "step of 4 mm, but VLP-16 counts in 2 mm"));
 }
 

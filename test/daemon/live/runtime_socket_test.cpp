@@ -144,6 +144,16 @@ TEST(RuntimeSocketPath, IsWhereTheEnvironmentSays) {
   EXPECT_EQ(with(nullptr, "/run/lidard:/run/more", "/run/user/1"), "/run/lidard/control");
   EXPECT_EQ(with(nullptr, nullptr, "/run/user/1"), "/run/user/1/lidard/control");
   EXPECT_EQ(with(nullptr, nullptr, nullptr), "/run/lidard/control");
+  // Of a drop-in, which is found where it is alone.
+  const std::string folder = ::testing::TempDir() + "lidard-named-" + std::to_string(getpid());
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder + "/urg_node.control");
+  with(nullptr, folder.c_str(), nullptr);
+  EXPECT_EQ(running_socket_path(), folder + "/urg_node.control");
+  std::ofstream(folder + "/control");
+  EXPECT_EQ(running_socket_path(), folder + "/control");
+  std::filesystem::remove_all(folder);
+  with(nullptr, nullptr, nullptr);
 }
 
 }  // namespace

@@ -178,7 +178,7 @@ TEST(Routing, UnknownSendersAreADiagnosticItemOfTheirOwn) {
   EXPECT_EQ(items()[1].name, "unknown senders");
   EXPECT_EQ(items()[1].health, Health::warn);
   EXPECT_EQ(items()[1].message,
-            "10.0.0.20 -> port 2368 (1 packets) sends to a port of ours but belong to no sensor; add them to "
+            "10.0.0.20 -> port 2368 (1 packets) sends to a port of ours but belongs to no sensor; add it to "
             "the configuration, or correct an ip_address");
   vehicle.datagram(21, 2368);
   EXPECT_THAT(items()[1].message, testing::HasSubstr(" and others send to a port of ours"));
