@@ -31,10 +31,9 @@ std::string text_of(const FoundSensor& sensor) {
 /// The sensor to decode. Throws std::runtime_error if there is none, or there are several.
 FoundSensor choose_sensor(const DecodeOptions& options, const Model* model, std::ostream& err) {
   const auto wanted = [&](const Packet& packet) { return is_wanted(packet, options); };
-  const bool is_chosen = options.source || options.source_port != 0 || options.port != 0;
   Survey found = survey({options.capture}, {model, wanted, true});
-  const bool is_elsewhere = is_chosen && found.sensors.empty();
-  if (is_elsewhere || found.sensors.empty())
+  const bool is_elsewhere = found.sensors.empty();
+  if (is_elsewhere)
     found = survey_of_sensors({options.capture}, err, {model, {}, true});
   else if (!found.captures[0].error.empty())
     err << found.captures[0].error << '\n';

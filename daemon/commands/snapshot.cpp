@@ -120,11 +120,8 @@ std::string nothing_there(const Scene& scene, const std::vector<std::string>& ca
   if (!scene.why_no_frame.empty()) return scene.why_no_frame;
   const auto& sensors = scene.config.sensors;
   for (const FoundSensor& found : survey(captures).sensors) {
-    const bool is_known = std::any_of(sensors.begin(), sensors.end(), [&](const SensorConfig& sensor) {
-      return sensor.model == found.model && sensor.ip_port == found.data.port &&
-             sensor.ip_address.value_or(found.data.address) == found.data.address;
-    });
-    if (!is_known)
+    if (std::none_of(sensors.begin(), sensors.end(),
+                     [&](const auto& one) { return one.model == found.model; }))
       return "the packets are of " + std::string(found.model->name) + " " + found.data.to_string() +
              ", which is no sensor of the configuration; correct its model, ip_address or ip_port";
   }

@@ -4,8 +4,6 @@
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
-#include <sys/ioctl.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <nlohmann/json.hpp>
@@ -22,14 +20,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Number of events in the overview, and its width at least: that of a plain terminal.
-constexpr std::size_t newest_events = 10, least_width = 80;
-
-std::size_t overview_width() {
-  winsize window{};
-  const bool is_terminal = ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &window) == 0;
-  return std::max<std::size_t>(is_terminal ? window.ws_col : 0, least_width);
-}
+/// Number of events in the overview, and its width: that of a plain terminal.
+constexpr std::size_t newest_events = 10, overview_width = 80;
 
 const char* name_of(Health health) {
   switch (health) {
@@ -111,7 +103,7 @@ void print_events(const Json& events, std::ostream& out, bool is_overview) {
                           cell(event["first"]).substr(11, 8));
     table.push_back({at, cell(event["level"]), cell(event["source"]), text});
   }
-  print_columns(table, out, "", is_overview ? overview_width() : 0);
+  print_columns(table, out, "", is_overview ? overview_width : 0);
 }
 
 void print_topics(const Json& all, std::ostream& out) {
@@ -128,7 +120,7 @@ void print_topics(const Json& all, std::ostream& out) {
              figure(gap["min"], 1) + "-" + figure(gap["max"], 1),
              figure(latency["p50"], 2) + "/" + figure(latency["p99"], 2) + "/" + figure(latency["max"], 2))});
   }
-  print_columns(table, out, "", overview_width());
+  print_columns(table, out, "", overview_width);
 }
 
 bool is_in_error(const Json& said) {
@@ -147,7 +139,7 @@ void print_status(const Json& said, std::ostream& out) {
   for (const Json& item : said["items"]) {
     items.push_back({cell(item["level"]), cell(item["name"]), cell(item["message"])});
   }
-  print_columns(items, out, "", overview_width());
+  print_columns(items, out, "", overview_width, 32);
   out << '\n';
   print_topics(said["topics"], out);
   if (said["events"].empty()) return;

@@ -41,9 +41,16 @@ double outside(const Config& config, const Eigen::Vector3d& at) {
   return distance_to(config.vehicle.footprint, at.head<2>());
 }
 
+Eigen::Vector2d extent_of(const Config& config) {
+  Eigen::AlignedBox2d box(Eigen::Vector2d::Zero());
+  for (const Eigen::Vector2d& vertex : config.vehicle.footprint) box.extend(vertex);
+  return box.sizes();
+}
+
 /// True for a footprint wider than long in which all sensors lie once x and y are exchanged.
 bool is_swapped(const Config& config) {
   constexpr double beside_m = 0.2;
+  const Eigen::Vector2d size = extent_of(config);
   std::vector<Eigen::Vector2d> swapped;
   for (const Eigen::Vector2d& vertex : config.vehicle.footprint) swapped.emplace_back(vertex.y(), vertex.x());
   bool is_any_outside = false;
@@ -51,22 +58,20 @@ bool is_swapped(const Config& config) {
     if (!sensor.pose) continue;
     const Eigen::Vector3d at = sensor.pose->translation();
     if (distance_to(swapped, at.head<2>()) > beside_m) return false;
-    is_any_outside = is_any_outside || outside(config, at) > beside_m;
+    is_any_outside |= outside(config, at) > beside_m;
   }
-  return is_any_outside;
+  return is_any_outside && size.y() > size.x();
 }
 
 void question_footprint(Remarks& remarks) {
   constexpr double longest_m = 60;
-  Eigen::AlignedBox2d box(Eigen::Vector2d::Zero());
-  for (const Eigen::Vector2d& vertex : remarks.config.vehicle.footprint) box.extend(vertex);
+  const double length = extent_of(remarks.config).maxCoeff();
   const Value key = value_at(value_at(remarks.root, "vehicle"), "footprint");
-  if (box.sizes().y() > box.sizes().x() && is_swapped(remarks.config))
+  if (is_swapped(remarks.config))
     remarks.add(key,
                 "is wider than long, and sensors stand outside of it: are x (ahead) and y (left) swapped?");
-  if (box.sizes().maxCoeff() > longest_m)
-    remarks.add(key, fmt::format("is {:.0f} m long; are its numbers in m, and not in cm or mm?",
-                                 box.sizes().maxCoeff()));
+  if (length > longest_m)
+    remarks.add(key, fmt::format("is {:.0f} m long; are its numbers in m, and not in cm or mm?", length));
 }
 
 /// `at`: in base_frame; `lowest` and `farthest_outside`: limits, m.
@@ -155,9 +160,9 @@ void question_tilt(Remarks& remarks) {
     if (!is_meant)
       remarks.add(
           value_at(remarks.entry("sensors", sensor.name), "pose"),
-          fmt::format("tilts a planar scanner by {:.0f} deg, so that it meets the ground: if that is not "
-                      "meant, correct roll and pitch, else merge it with min_height",
-                      tilt_deg));
+          fmt::format(
+              "tilts a planar scanner by {:.0f} deg: correct roll and pitch, or merge it with min_height",
+              tilt_deg));
   }
 }
 
@@ -193,10 +198,11 @@ void question_sector(Remarks& remarks, const Value& entry, const SensorConfig* s
     if (is_seen) ++(is_wanted ? kept : left_out);
   }
   if (left_out == 0 || kept > 0.75 * wanted) return;
-  remarks.add(value_at(entry, "angle_min"),
-              fmt::format("begins a sector of {} deg to angle_max, of which only {} are in the view of the "
-                          "scanner, {:.1f} to {:.1f} deg",
-                          wanted, kept, -end * deg_per_rad, end * deg_per_rad));
+  remarks.add(
+      value_at(entry, "angle_min"),
+      fmt::format(
+          "begins a sector of {} deg, of which only {} are in the view of the scanner, {:.1f} to {:.1f} deg",
+          wanted, kept, -end * deg_per_rad, end * deg_per_rad));
 }
 
 void question_windows(Remarks& remarks) {
@@ -214,8 +220,7 @@ void question_windows(Remarks& remarks) {
 struct UnitQuestion {
   std::string_view key;
   double most;
-  const char* unit;
-  const char* mistaken;
+  const char *unit, *mistaken;
 };
 constexpr UnitQuestion unit_questions[] = {
     {"angle_increment", 0.1, "rad", "degrees (angle_increment_deg)"},
@@ -235,10 +240,7 @@ constexpr UnitQuestion unit_questions[] = {
 };
 
 /// Offsets of whole hours, and of GPS and atomic time (TAI) to UTC.
-bool is_time_scale(double offset_s) {
-  const double leap = std::abs(offset_s);
-  return std::remainder(leap, 3600) == 0 || leap == 18 || leap == 19 || leap == 37;
-}
+bool is_time_scale(double s) { return std::remainder(s, 3600) == 0 || s == 18 || s == 19 || s == 37; }
 
 /// True for multiples of pi/4, with two digits or more.
 bool looks_like_rad(double angle) {
@@ -257,7 +259,7 @@ void question_units(Remarks& remarks, const std::string& name, const Value& valu
     remarks.add(value, "looks like rad and is taken as degrees; in rad the key is " + name.substr(0, unit));
   for (const UnitQuestion& one : unit_questions) {
     if (one.key != name || numbers.size() != 1 || std::abs(numbers[0]) <= one.most) continue;
-    if (name == "time_offset" && is_time_scale(numbers[0])) continue;
+    if (name == "time_offset" && is_time_scale(std::abs(numbers[0]))) continue;
     remarks.add(value, fmt::format("is {} {}; is it meant in {}?", numbers[0], one.unit, one.mistaken));
   }
 }
@@ -289,11 +291,9 @@ void question_rate(Remarks& remarks, const Value& entry, const ScheduleSettings&
     most += own;
   }
   if (schedule.policy == Policy::rate && schedule.rate > most * 1.01)
-    remarks.add(
-        value_at(entry, "rate"),
-        fmt::format("is {} per s, and its sources send {:.3g} sweeps per s at most: the same sweeps would be "
-                    "published again; set it lower",
-                    schedule.rate, most));
+    remarks.add(value_at(entry, "rate"),
+                fmt::format("is {} per s, and its sources send {:.3g} sweeps per s at most; set it lower",
+                            schedule.rate, most));
 }
 
 void question_rates(Remarks& remarks) {
@@ -304,9 +304,8 @@ void question_rates(Remarks& remarks) {
 }
 
 bool is_own(const IpAddress& address) {
-  const auto interfaces = read_network().interfaces;
-  return std::any_of(interfaces.begin(), interfaces.end(),
-                     [&](const HostInterface& one) { return one.address == address; });
+  const auto all = read_network().interfaces;
+  return std::any_of(all.begin(), all.end(), [&](const auto& one) { return one.address == address; });
 }
 
 void question_network(Remarks& remarks) {
@@ -322,13 +321,11 @@ void question_network(Remarks& remarks) {
     if (receiver && *receiver != nobody && !receiver->is_multicast() && !is_own(*receiver))
       remarks.add(
           value_at(entry, "udp_receiver_ip"),
-          "is " + receiver->to_string() +
-              ", which is no address of this host: the device would send elsewhere; `ip address` lists them");
+          "is " + receiver->to_string() + ", which is no address of this host; `ip address` lists those");
     const auto question_port = [&](const char* key, int port) {
       if (port > 0 && port < first_free_port)
-        remarks.add(value_at(entry, key), "is " + std::to_string(port) +
-                                              ": ports below 1024 need privileges that the service does not "
-                                              "have; set 1024 or higher here and in the sensor");
+        remarks.add(value_at(entry, key),
+                    "is " + std::to_string(port) + ": ports below 1024 need privileges; set a higher one");
     };
     if (sensor.model->transport == Transport::udp) question_port("ip_port", sensor.ip_port);
     question_port("telemetry_port", sensor.telemetry_port);

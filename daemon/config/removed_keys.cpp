@@ -56,8 +56,6 @@ struct Synonym {
 constexpr Synonym synonyms[] = {
     {"", "sensor|lidars|lidar|scanners|devices", "sensors"},
     {"vehicle.", "frame|frame_id|robot_frame|robot_base_frame|base_link", "base_frame"},
-    {"vehicle.", "outline|polygon|shape", "footprint"},
-    {"vehicle.", "odom_frame|fixed_frame", "odometry_frame"},
     {"sensors.*.", "type|lidar_type|sensor_type|sensor_model|scanner_type|device_type|product", "model"},
     {"sensors.*.", "hostname|host|ip|address|device_ip|sensor_ip|scanner_ip|lidar_ip", "ip_address"},
     {"sensors.*.", "port|udp_port|data_port|tcp_port|msop_port|host_port|lidar_port", "ip_port"},
@@ -80,7 +78,6 @@ constexpr Synonym synonyms[] = {
     {"merged_*.*.", "frequency|publish_rate|hz", "rate"},
     {"virtual_scans.*.", "source|sources|sensor|cloud|cloud_in", "cloud_topic"},
     {"virtual_scans.*.", "frames|frame|frame_id|target_frame", "virtual_laser_scan"},
-    {"virtual_scans.*.", "topic|output_topic|scan_topic", "output_laser_topic"},
 };
 
 }  // namespace

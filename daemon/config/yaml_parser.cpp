@@ -11,10 +11,6 @@
 namespace lidard {
 namespace {
 
-[[noreturn]] void fail_in(const Place& place, const std::string& what, const std::string& expected) {
-  throw ConfigError(place, what + "; expected " + expected);
-}
-
 Place place_in(const YAML::Mark& mark, const Place& top) {
   return mark.is_null() ? top : Place{top.file, mark.line + 1, mark.column + 1};
 }
@@ -24,7 +20,9 @@ void refuse_utf16(const std::string& text, const Place& top) {
   const bool has_mark = text.compare(0, 2, "\xFF\xFE") == 0 || text.compare(0, 2, "\xFE\xFF") == 0;
   const bool has_zero = text.size() > 1 && (text[0] == '\0') != (text[1] == '\0');
   if (has_mark || has_zero)
-    fail_in(top, "the file is UTF-16", "UTF-8 (`iconv -f UTF-16 -t UTF-8`, or another encoding when saving)");
+    throw ConfigError(
+        top,
+        "the file is UTF-16; expected UTF-8 (`iconv -f UTF-16 -t UTF-8`, or another encoding when saving)");
 }
 
 /// Records where a document begins; ignores all other events.
@@ -55,8 +53,8 @@ void refuse_second_document(const std::string& text, const Place& top) {
   YAML::Parser parser(stream);
   DocumentStart start;
   if (parser.HandleNextDocument(start) && parser.HandleNextDocument(start))
-    fail_in(place_in(start.mark(), top), "a second YAML document begins, or what is no YAML",
-            "one document per file");
+    throw ConfigError(place_in(start.mark(), top),
+                      "a second YAML document begins, or what is no YAML; expected one document per file");
 }
 
 /// The parser's message does not mention the tab.
@@ -120,8 +118,8 @@ Value parse_yaml(const std::string& text, const std::string& file) {
   } catch (const YAML::Exception& error) {
     const Place place = place_in(error.mark, top);
     const bool tab = is_indented_with_tab(text, place.line);
-    fail_in(place, "not YAML: " + (tab ? "a tab in the indentation" : cause_of(error, text)),
-            "`key: value` lines, indented with blanks");
+    throw ConfigError(place, "not YAML: " + (tab ? "a tab in the indentation" : cause_of(error, text)) +
+                                 "; expected `key: value` lines, indented with blanks");
   }
 }
 

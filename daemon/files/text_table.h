@@ -36,11 +36,10 @@ inline TextTable table_of(const nlohmann::ordered_json& list, const std::vector<
 }
 
 /// Prints a table in columns as wide as their longest cell; each line begins with `prefix`. With `width`, no
-/// line is longer: the last cell goes on in further lines, and a cell of more characters than there is room
-/// for (21 of 80) has a line of its own.
+/// line is longer: the last cell goes on in further lines, and a cell of more than `widest` characters has a
+/// line of its own.
 inline void print_columns(const TextTable& table, std::ostream& out, const std::string& prefix = "",
-                          std::size_t width = 0) {
-  const std::size_t widest = width > 80 ? width - 59 : 21;
+                          std::size_t width = 0, std::size_t widest = 21) {
   std::vector<std::size_t> begins(table.front().size(), prefix.size());
   for (std::size_t i = 0; i + 1 < begins.size(); ++i) {
     std::size_t longest = 0;

@@ -112,7 +112,7 @@ TEST_F(CommandLine, ChoosesTheSenderToDecodeWithAndWithoutItsPort) {
   EXPECT_EQ(lidard({"decode", demo, "--source", "192.168.0.22", "-o", file_}).exit, exit_ok);
   EXPECT_TRUE(written() != of_one);
   EXPECT_THAT(lidard({"decode", demo, "--source", "192.168.0.21:6061", "-o", file_}).err,
-              HasSubstr("no packets of a supported lidar found"));
+              HasSubstr("no lidar's packets with this --source and --port, but there are:"));
   EXPECT_EQ(lidard({"decode", demo, "--port", "2368", "-o", file_}).exit, exit_ok);
   EXPECT_THAT(written(), StartsWith("frame,packet,block,laser"));
   for (const char* wrong : {"300.1.1.1", "192.168.0.21:", "192.168.0.21:x", "192.168.0.21:70000", "host"}) {

@@ -98,7 +98,7 @@ TEST(Config, KeysGivenTwiceAreAnError) {
 
 TEST(Config, SyntaxErrorsNameTheirPlace) {
   const std::string expected = "; expected `key: value` lines, indented with blanks";
-  EXPECT_EQ(error_of("sensors: [1, 2\n"), "f:2:1: not YAML: end of sequence flow not found" + expected);
+  EXPECT_EQ(error_of("sensors: [1, 2\n"), "f:2:1: not YAML: the [ of line 1 is not closed" + expected);
   EXPECT_EQ(error_of("sensors:\n  a: {topic: s}}\n"), "f:2:16: not YAML: illegal flow end" + expected);
   EXPECT_EQ(error_of("sensors:\n\ta: 1\n"), "f:2:3: not YAML: a tab in the indentation" + expected);
   // yaml-cpp 0.8 adds the name of the anchor.

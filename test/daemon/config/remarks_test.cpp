@@ -78,7 +78,7 @@ INSTANTIATE_TEST_SUITE_P(
             "own"},
         Row{pair_of("frame_id: b", "pose: {xyz: [1, 0, 0]}"), "sensors.b has the frame of sensors.a, b"},
         Row{scanner("pose: {xyz: [1, 0, 0.3], rpy_deg: [45, 0, 0]}"),
-            "a.pose tilts a planar scanner by 45 deg, so that it meets the ground"},
+            "a.pose tilts a planar scanner by 45 deg: correct roll and pitch"},
         Row{scanner("pose: {xyz: [1, 0, 0.3], rpy_deg: [0, 10, 90]}"), "tilts a planar scanner by 10 deg"},
         Row{scanner("pose: {xyz: [1, 0, 0.3], rpy_deg: [90, 0, 0]}") +
                 "merged_scans: {m: {laserscan_topics: [a]}}",
@@ -94,6 +94,8 @@ INSTANTIATE_TEST_SUITE_P(
         Row{virtual_scan("poses: {low: {xyz: [0, 0, 50]}}"), "v.poses.low is 50 m away"},
         Row{vehicle(truck) + scanner("pose: {xyz: [4, 0, 0.3]}"),
             "sensors.a.pose is 4.0 m outside of vehicle.footprint; correct one of them"},
+        Row{vehicle(truck) + scanner("pose: {xyz: [0.5, -3.9, 0.3]}"),
+            "is 2.9 m outside of vehicle.footprint"},
         Row{vehicle(truck) + virtual_scan("poses: {low: {xyz: [12, 0, 0.3]}}"),
             "v.poses.low is 12.0 m outside"},
         Row{vehicle(wide) + scanner("pose: {xyz: [2, 1, 0.3]}"),
@@ -110,10 +112,10 @@ INSTANTIATE_TEST_SUITE_P(
             "m.laserscan_topics merges scanners 0.20 to 0.60 m high"},
         Row{merged("profile: strict"), "vehicle.footprint is not set"},
         Row{scanner("angle_min_deg: 150, angle_max_deg: -150"),
-            "a.angle_min_deg begins a sector of 60 deg to angle_max, of which only 0 are in the view of the "
+            "a.angle_min_deg begins a sector of 60 deg, of which only 0 are in the view of the "
             "scanner, -137.5 to 137.5 deg"},
         Row{merged("source_settings: {a: {angle_min_deg: 90, angle_max_deg: 270}}"),
-            "m.source_settings.a.angle_min_deg begins a sector of 180 deg to angle_max, of which only 94"},
+            "m.source_settings.a.angle_min_deg begins a sector of 180 deg, of which only 94"},
         Row{tim("angle_min_deg: 140, angle_max_deg: 170"), "of which only 0 are in the view"},
         Row{merged("source_settings: {a: {range_min: 50}}"), "a.range_min is 50 m; is it meant in cm or mm?"},
         Row{roof("min_range: 200"), "a.min_range is 200 m; is it meant in cm or mm?"},
@@ -196,7 +198,8 @@ INSTANTIATE_TEST_SUITE_P(
         Row{merged("publish_rate: 5"), "unknown key merged_scans.m.publish_rate; expected rate"},
         Row{virtual_scan("target_frame: b"), "expected virtual_laser_scan"},
         Row{"lidars: {a: {}}", "f:1:1: unknown key lidars; expected sensors"},
-        Row{"vehicle: {outline: []}\n" + scanner("frame_id: b"), "vehicle.outline; expected footprint"},
+        Row{"vehicle: {robot_frame: b}\n" + scanner("frame_id: b"),
+            "vehicle.robot_frame; expected base_frame"},
         Row{roof("filter: {type: 1}"), "unknown key sensors.a.filter.type; expected one of"}));
 
 INSTANTIATE_TEST_SUITE_P(

@@ -99,6 +99,12 @@ TEST(PublisherThread, MakesAReplayWaitUntilThereIsRoomAndLetsItGoWhenStopped) {
   EXPECT_EQ(bench.publisher->dropped(), 0U);
 }
 
+TEST(PublisherThread, MeasuresTheRatesOfAReplayInTheTimeOfTheCapture) {
+  Bench bench(Backpressure::block);
+  for (std::int64_t i = 0; i < 5; ++i) bench.publisher->skip(test::roof_points, Stamp{i * 100'000'000});
+  EXPECT_EQ(bench.publisher->figures("roof/points", Stamp{std::chrono::hours(100'000) / 1ns}).rate_hz, 10);
+}
+
 TEST(PublisherThread, CountsAFrameThatNobodyWantsAndHoldsNothingOfIt) {
   Bench bench;
   for (std::int64_t i = 0; i < 5; ++i) bench.publisher->skip(test::roof_points, Stamp{i * 100'000'000});
