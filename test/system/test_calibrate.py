@@ -237,7 +237,7 @@ def check_drives_that_show_little(tmp):
         expect(pose["xyz"] == [0, y, 0.35] and "time_offset" not in sensors[name], f"{name}: {sensors[name]}")
         expect(abs(pose["rpy_deg"][2] - ON_VEHICLE[name][1][2]) < 0.15, f"{name}: {pose}")
     check_topics(tmp, capture, [sensors[name]["pose"]["rpy_deg"][2] for name in sensors])
-    for motion, words in ((tmp / "missing.csv", "no poses"), (ROOT / "config/demo.yaml", "expected a bag"), (tmp / "text.csv", ":2: 'far away'; expected stamp,x,y,yaw")):
+    for motion, words in ((tmp / "missing.csv", "cannot be opened"), (ROOT / "config/demo.yaml", "expected a bag"), (tmp / "text.csv", ":2: 'far away'; expected stamp,x,y,yaw")):
         (tmp / "text.csv").write_text("stamp,x,y,yaw\nfar away\n")
         _, done = calibrate_drive(tmp, capture, motion)
         expect(done.returncode == 1 and words in done.stderr, f"{motion}: {done.stderr}")

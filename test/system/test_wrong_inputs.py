@@ -26,7 +26,7 @@ COMMANDS = [
     (["check", "--prots", DEMO_CONFIG], 2, ("check:", "no option --prots", "did you mean --ports?")),
     (["decode", DEMO, "--fromat", "csv"], 2, ("decode:", "no option --fromat", "did you mean --format?")),
     (["run", "--confg", DEMO_CONFIG], 2, ("run:", "no option --confg", "did you mean --config?")),
-    (["check"], 2, ("check:", "file is required", "lidard check --help")),
+    (["check"], 2, ("check:", "is required", "lidard check --help")),
     (["check", DEMO_CONFIG, "b"], 2, ("check:", "not expected: b", "lidard check --help")),
     (["import", "--tabels"], 2, ("import:", "no option --tabels", "did you mean --tables?")),
     (["decode", DEMO, "--format", "xls"], 2, ("decode:", "xls", "csv")),

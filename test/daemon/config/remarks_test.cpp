@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cctype>
 #include <filesystem>
 #include <fstream>
 #include <regex>
@@ -68,6 +69,14 @@ TEST_P(Mistake, IsSaidWithItsPlaceAndRemedy) {
   EXPECT_TRUE(std::regex_match(said, placed)) << said;
 }
 
+/// The letters of the words, and the row.
+std::string name_of(const ::testing::TestParamInfo<Row>& info) {
+  std::string name = "Row" + std::to_string(info.index);
+  for (const char c : info.param.words.substr(0, 40))
+    name += std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
+  return name;
+}
+
 INSTANTIATE_TEST_SUITE_P(
     OfGeometry, Mistake,
     ::testing::Values(
@@ -122,7 +131,8 @@ INSTANTIATE_TEST_SUITE_P(
         Row{merged("policy: rate, rate: 100"),
             "m.rate is 100 per s, and its sources send 66.7 sweeps per s at most"},
         Row{roof("frame_id: l") + "merged_clouds: {c: {sources: [a], policy: rate, rate: 50}}",
-            "c.rate is 50 per s, and its sources send 20 sweeps per s at most"}));
+            "c.rate is 50 per s, and its sources send 20 sweeps per s at most"}),
+    name_of);
 
 INSTANTIATE_TEST_SUITE_P(
     OfUnits, Mistake,
@@ -150,7 +160,8 @@ INSTANTIATE_TEST_SUITE_P(
             "m.angle_max_deg looks like rad and is taken as degrees; in rad the key is angle_max"},
         Row{merged("angle_min: -135"), "m.angle_min is -135; expected a number from"},
         Row{roof("view_width_deg: 3.1416"), "a.view_width_deg looks like rad"},
-        Row{roof("cut_angle: 180"), "a.cut_angle is 180"}));
+        Row{roof("cut_angle: 180"), "a.cut_angle is 180"}),
+    name_of);
 
 INSTANTIATE_TEST_SUITE_P(
     OfNetworkAndModel, Mistake,
@@ -174,7 +185,8 @@ INSTANTIATE_TEST_SUITE_P(
         Row{roof("angle_min: 0"), "a.angle_min is not available for velodyne_vlp16"},
         Row{merged("rate: 5, policy: trigger"), "m.rate has no effect with policy: trigger"},
         Row{merged("trigger: c"), "m.trigger is \"c\", which is no source of it"},
-        Row{merged("min_height: 2, max_height: 1"), "leaves no height"}));
+        Row{merged("min_height: 2, max_height: 1"), "leaves no height"}),
+    name_of);
 
 std::string unknown(const std::string& key) { return roof(key + ": 1"); }
 
@@ -200,7 +212,8 @@ INSTANTIATE_TEST_SUITE_P(
         Row{"lidars: {a: {}}", "f:1:1: unknown key lidars; expected sensors"},
         Row{"vehicle: {robot_frame: b}\n" + scanner("frame_id: b"),
             "vehicle.robot_frame; expected base_frame"},
-        Row{roof("filter: {type: 1}"), "unknown key sensors.a.filter.type; expected one of"}));
+        Row{roof("filter: {type: 1}"), "unknown key sensors.a.filter.type; expected one of"}),
+    name_of);
 
 INSTANTIATE_TEST_SUITE_P(
     OfYaml, Mistake,
@@ -217,7 +230,8 @@ INSTANTIATE_TEST_SUITE_P(
                       Row{"sensors:\n  a: x\n    model: velodyne_vlp16\n",
                           "its indentation does not go with line 2, which has a value already"},
                       Row{"sensors:\n  a:\n    model: velodyne_vlp16\n   ip_port: 3\n",
-                          "f:4:4: not YAML: its indentation does not go with line 3; expected"}));
+                          "f:4:4: not YAML: its indentation does not go with line 3; expected"}),
+    name_of);
 
 TEST(Remarks, AreMadeOfACalibrationOfAnotherModel) {
   LIDARD_NEED_CAPTURE(file, std::string("calibration/VLP16_hires.yaml"));
