@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/virtual/ring_links.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/base/bytes.h"

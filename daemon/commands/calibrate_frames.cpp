@@ -129,18 +129,16 @@ Config bare(Config config) {
 void add_topics(const std::string& path, std::vector<CalibratedSensor>& sensors, FrameCollector& collector) {
   PlanarScan scan;
   Cloud cloud;
-  const auto for_each_of = [&](const std::string& topic, const auto& use) {
-    for (CalibratedSensor& sensor : sensors) {
-      const std::string& own = sensor.config->topic;
-      if (!own.empty() && (own == topic || "/" + own == topic)) use(sensor);
-    }
+  const auto is_of = [](const CalibratedSensor& sensor, const std::string& topic) {
+    return !sensor.config->topic.empty() && same_topic(sensor.config->topic, topic);
   };
   const auto bag = open_bags({path});
-  std::vector<std::string> topics;
-  for (const BagTopic& topic : bag->topics()) topics.push_back(topic.name);
-  bag->choose(topics);
+  bag->choose([&](const std::string& topic) {
+    return std::any_of(sensors.begin(), sensors.end(), [&](const auto& one) { return is_of(one, topic); });
+  });
   for (BagMessage message; bag->next(message);) {
-    for_each_of(message.topic, [&](CalibratedSensor& sensor) {
+    for (CalibratedSensor& sensor : sensors) {
+      if (!is_of(sensor, message.topic)) continue;
       const Span later = sensor.config->driver.time_offset;
       if (message.scan && from_ros(*message.scan, scan) == nullptr) {
         scan.stamp = scan.stamp + later;
@@ -149,7 +147,7 @@ void add_topics(const std::string& path, std::vector<CalibratedSensor>& sensors,
         cloud.stamp = cloud.stamp + later;
         collector.add(sensor, cloud);
       }
-    });
+    }
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 #include <thread>
 #include <utility>
 
@@ -189,6 +190,7 @@ void Player::play(TimedMessages& messages, const std::function<bool()>& stop) {
   if (!first) return;
   const Stamp from = *first + span_from_seconds(options_.start);
   messages.feed(nullptr, from - Span(1));
+  if (!messages.next()) throw std::runtime_error(printed("--start %g: the bag ends before", options_.start));
   begin_ = first_ = last_ = from;
   wall_begin_ = std::chrono::steady_clock::now();
   for (auto at = messages.next(); at; at = messages.next()) {

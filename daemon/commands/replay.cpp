@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <ostream>
 #include <thread>
 #include <utility>
@@ -75,6 +76,9 @@ struct Replay {
       for (const TopicReport& topic : topics->report()) {
         out << "  " << topic.topic << ": " << topic.messages << " messages for " << topic.sensor;
         if (topic.rejected > 0) out << ", " << topic.rejected << " of no use: " << topic.last_reason;
+        if (topic.points_dropped > 0) out << ", " << topic.points_dropped << " points not finite";
+        if (topic.intensities_ignored > 0)
+          out << ", intensities of " << topic.intensities_ignored << " left out";
         out << '\n';
       }
     }
@@ -87,13 +91,17 @@ struct Replay {
   }
 };
 
+/// The file that has the vehicle's motion; empty: none.
+const std::string& motion_of(const ReplayOptions& options) {
+  return options.motion.empty() && !options.bags.empty() ? options.bags.front() : options.motion;
+}
+
 int into_bag(const ReplayOptions& options, const Config& config, MergedCapture& capture, std::ostream& out,
              std::ostream& err) {
   if (std::filesystem::is_regular_file(options.bag))
     throw std::runtime_error(options.bag + " is there already; remove it, or name another file");
   BagSink sink(options.bag);
-  const bool own_poses = options.motion.empty() && !options.bags.empty();
-  BagPoses motion(own_poses ? options.bags.front() : options.motion, config.vehicle);
+  BagPoses motion(motion_of(options), config.vehicle);
   Replay replay(options, config, capture, sink, motion);
   bool first = true;
   const auto on_time = [&](Stamp now) {
@@ -125,7 +133,11 @@ int into_ros(const ReplayOptions& options, const Config& config, MergedCapture& 
   boost::asio::io_context messages;  // for the thread of the pipeline (this one)
   const auto more_may_come = boost::asio::make_work_guard(messages);
   RosSession session(config, ros);
-  Replay replay(options, config, capture, session.sink(), session.poses());
+  // What a bag holds, its tf belongs to; live poses are of another time.
+  std::optional<BagPoses> recorded;
+  if (!options.bags.empty()) recorded.emplace(motion_of(options), config.vehicle);
+  Replay replay(options, config, capture, session.sink(),
+                recorded ? static_cast<TransformSource&>(*recorded) : session.poses());
   session.feed(config, [&](Worker, auto task) {
     boost::asio::post(messages,
                       [&replay, task = std::move(task)] { task(replay.pipeline, replay.player.now()); });
@@ -146,6 +158,7 @@ int into_ros(const ReplayOptions& options, const Config& config, MergedCapture& 
   wait_for_subscribers(options.wait);
   const auto clock = [&](Stamp now) {
     if (ros.clock) session.sink().publish_clock(now);
+    if (recorded) recorded->feed(replay.pipeline, now);
   };
   const bool complete = replay.play(clock, out, err);
   const bool flushed = session.flush(patience);

@@ -4,6 +4,7 @@
 #include <yaml-cpp/eventhandler.h>
 
 #include <algorithm>
+#include <cstring>
 #include <sstream>
 
 #include "daemon/config/yaml_reader.h"
@@ -65,16 +66,24 @@ bool is_indented_with_tab(const std::string& text, int line) {
   return content.substr(0, content.find_first_not_of(" \t")).find('\t') != std::string::npos;
 }
 
-/// The innermost bracket that is open at the end of a text; empty: none.
+/// The innermost bracket outside of quotes that is open at the end of a text; empty: none.
 std::string open_bracket(const std::string& text) {
   std::vector<std::pair<char, int>> open;  // with the line
   bool is_comment = false;
+  char quote = 0;
   int line = 1;
   for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
     line += c == '\n' ? 1 : 0;
     is_comment = c != '\n' && (is_comment || (c == '#' && (i == 0 || text[i - 1] <= ' ')));
     if (is_comment) continue;
+    const bool begins = i == 0 || std::strchr(" \t\n[{,", text[i - 1]) != nullptr;
+    if (quote == 0 && begins && (c == '"' || c == '\'')) {
+      quote = c;
+    } else if (quote != 0) {
+      quote = c == quote ? '\0' : quote;
+      continue;
+    }
     if (c == '[' || c == '{') open.emplace_back(c, line);
     if ((c == ']' || c == '}') && !open.empty() && open.back().first == (c == ']' ? '[' : '{'))
       open.pop_back();

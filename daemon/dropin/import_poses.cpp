@@ -46,7 +46,8 @@ const ImportPoses::Transform* ImportPoses::above(const std::string& frame) const
   return up == transforms_.end() ? nullptr : &*up;
 }
 
-/// The pose of the frame in the base frame, through a chain of transforms.
+/// The pose of the frame in the base frame, through a chain of transforms. It ends, since place() refuses
+/// loops.
 std::optional<Pose> ImportPoses::pose_of(std::string frame, std::string& root) {
   Pose pose = Pose::Identity();
   std::set<const Transform*> chain;

@@ -1,9 +1,10 @@
 #!/usr/bin/python3
 # SPDX-FileCopyrightText: 2026 the lidard authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Recorded scans, clouds and packets are replayed out of a bag, without a ROS master."""
+"""Recorded scans, clouds and packets are replayed out of a bag: into another bag without a ROS master, or into ROS."""
 import rosbag
-from harness import ROOT, expect, folder, run, write
+from harness import ROOT, expect, run, wait_for, write
+from ros_tools import Listener, ros_test
 
 DEMO = ROOT / "config" / "demo.yaml"
 CAPTURE = ROOT / "pcaps" / "demo.pcap"
@@ -65,6 +66,8 @@ def refuses(tmp, demo):
            and "/front_left/scan (sensor_msgs/LaserScan" in result.stderr, result.stderr)
     result, _ = replay(tmp, "none", DEMO.read_text(), demo)
     expect(result.returncode == 1 and "no sensor of the configuration has a topic" in result.stderr, result.stderr)
+    result, _ = replay(tmp, "late", MERGE, demo, "--start", "9")
+    expect(result.returncode == 1 and "--start 9: the bag ends before" in result.stderr, result.stderr)
     result = run("replay", "-c", write(tmp / "looped.yaml", MERGE), "--pcap", demo, "--loop")
     expect(result.returncode == 1 and "--loop" in result.stderr, result.stderr)
     half = tmp / "half.bag"
@@ -84,6 +87,17 @@ def refuses(tmp, demo):
     expect("of no use" in result.stdout, result.stdout + result.stderr)
 
 
+def plays_into_ros(tmp, demo):
+    """Nobody publishes tf: the poses are the bag's."""
+    merged = Listener("/again_strict")
+    result = run("replay", "-c", write(tmp / "ros.yaml", MERGE), "--pcap", demo, "--rate", "max", "--wait", "2")
+    expect(result.returncode == 0, result.stderr)
+    recorded = scans(demo, "/scan_strict")
+    wait_for(lambda: len(merged.messages) >= 0.9 * len(recorded), 10, f"{len(merged.messages)} scans")
+    same = [m for m in list(merged.messages) if recorded.get(m.header.stamp) == [repr(r) for r in m.ranges]]
+    expect(len(same) >= 0.9 * len(recorded), f"{len(same)} of {len(recorded)} are as recorded")
+
+
 def inspects(tmp, demo):
     result = run("inspect", demo)
     expect(result.returncode == 0 and "front_left_scan: {topic: /front_left/scan}" in result.stdout, result.stdout)
@@ -94,11 +108,11 @@ def inspects(tmp, demo):
 
 
 def main():
-    with folder() as tmp:
+    with ros_test() as (tmp, _):
         demo = tmp / "demo.bag"
         result = run("replay", "-c", DEMO, "--pcap", CAPTURE, "--rate", "max", "--bag", demo)
         expect(result.returncode == 0, result.stderr)
-        for check in (merges_what_was_recorded, decodes_packets, refuses, inspects):
+        for check in (merges_what_was_recorded, decodes_packets, refuses, plays_into_ros, inspects):
             check(tmp, demo)
     print("ok")
 

@@ -13,9 +13,6 @@
 namespace lidard {
 namespace {
 
-/// Both with or without a leading slash.
-bool same_topic(const std::string& a, const std::string& b) { return ros_frame(a) == ros_frame(b); }
-
 std::string text_of(const BagTopic& topic) {
   return topic.name + " (" + topic.type + ", " + std::to_string(topic.messages) + " messages)";
 }
@@ -30,6 +27,8 @@ std::string sensor_name(const std::string& topic) {
 }
 
 }  // namespace
+
+bool same_topic(const std::string& a, const std::string& b) { return ros_frame(a) == ros_frame(b); }
 
 std::unique_ptr<BagReader> open_bags(const std::vector<std::string>& bags) {
   return std::unique_ptr<BagReader>(bags_function<decltype(lidard_open_bags)>("lidard_open_bags")(bags));
@@ -69,12 +68,10 @@ BagTopics::BagTopics(const std::vector<std::string>& bags, const Config& config)
   for (const TopicSource& source : topic_sources(config))
     static_cast<TopicSource&>(sources_.emplace_back()) = source;
   check(bags);
-  std::vector<std::string> wanted;
-  for (const BagTopic& topic : reader_->topics()) {
-    for (const TopicReport& source : sources_)
-      if (same_topic(source.topic, topic.name)) wanted.push_back(topic.name);
-  }
-  reader_->choose(wanted);
+  reader_->choose([this](const std::string& topic) {
+    return std::any_of(sources_.begin(), sources_.end(),
+                       [&](const TopicReport& source) { return same_topic(source.topic, topic); });
+  });
   advance();
 }
 
@@ -113,14 +110,14 @@ const char* BagTopics::pass(TopicReport& source, MessageReceiver& to, Stamp rece
     });
   }
   if (message_.scan) {
-    const char* const error = from_ros(*message_.scan, scan_, clock_);
+    const char* const error = read_message(*message_.scan, clock_, scan_, source);
     if (error == nullptr) to.scan_message(source.sensor, scan_, received);
     return error;
   }
   if (!message_.cloud) return "neither a LaserScan nor a PointCloud2";
-  const CloudReading reading = from_ros(*message_.cloud, cloud_, clock_);
-  if (reading.error == nullptr) to.cloud_message(source.sensor, cloud_, received);
-  return reading.error;
+  const char* const error = read_message(*message_.cloud, clock_, cloud_, source);
+  if (error == nullptr) to.cloud_message(source.sensor, cloud_, received);
+  return error;
 }
 
 void BagTopics::feed(MessageReceiver* to, Stamp until) {

@@ -18,6 +18,8 @@ bool is_bag(const std::string& path);
 /// Moves the bags of a list into a list of their own.
 std::vector<std::string> split_bags(std::vector<std::string>& captures);
 
+/// True for one topic; either name may have a leading slash or none.
+bool same_topic(const std::string& a, const std::string& b);
 /// Opens bags. Throws std::runtime_error that names the file.
 std::unique_ptr<BagReader> open_bags(const std::vector<std::string>& bags);
 

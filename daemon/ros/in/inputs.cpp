@@ -65,6 +65,22 @@ std::vector<TopicSource> topic_sources(const Config& config) {
   return sources;
 }
 
+const char* read_message(const sensor_msgs::LaserScan& message, const ClockStep& clock, PlanarScan& scan,
+                         TopicReport& report) {
+  const char* const error = from_ros(message, scan, clock);
+  if (error == nullptr && !intensities_fit(message)) ++report.intensities_ignored;
+  return error;
+}
+
+const char* read_message(const sensor_msgs::PointCloud2& message, const ClockStep& clock, Cloud& cloud,
+                         TopicReport& report) {
+  const CloudReading reading = from_ros(message, cloud, clock);
+  if (reading.error != nullptr) return reading.error;
+  report.points_dropped += reading.dropped;
+  if (cloud.end == cloud.stamp) ++report.without_times;
+  return nullptr;
+}
+
 struct RosInputs::Source {
   mutable std::mutex mutex;
   TopicReport report;
@@ -157,8 +173,7 @@ void RosInputs::subscribe(const std::shared_ptr<Source>& source, const std::stri
         type_of<LaserScan>(), source,
         [sensor, clock = clock_](const auto& message, TopicReport& report, RosTask& task) {
           const auto scan = std::make_shared<PlanarScan>();
-          const char* const error = from_ros(*message, *scan, *clock);
-          if (error == nullptr && !intensities_fit(*message)) ++report.intensities_ignored;
+          const char* const error = read_message(*message, *clock, *scan, report);
           task = [=](auto& to, Stamp received) { to.scan_message(sensor, *scan, received); };
           return error;
         });
@@ -167,11 +182,9 @@ void RosInputs::subscribe(const std::shared_ptr<Source>& source, const std::stri
         type_of<PointCloud2>(), source,
         [sensor, clock = clock_](const auto& message, TopicReport& report, RosTask& task) {
           const auto cloud = std::make_shared<Cloud>();
-          const CloudReading reading = from_ros(*message, *cloud, *clock);
-          if (reading.error == nullptr) report.points_dropped += reading.dropped;
-          if (reading.error == nullptr && cloud->end == cloud->stamp) ++report.without_times;
+          const char* const error = read_message(*message, *clock, *cloud, report);
           task = [=](auto& to, Stamp received) { to.cloud_message(sensor, *cloud, received); };
-          return reading.error;
+          return error;
         });
   } else {
     source->reject_type();

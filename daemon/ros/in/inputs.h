@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <sensor_msgs/LaserScan.h>
+#include <sensor_msgs/PointCloud2.h>
+
 #include <chrono>
 #include <memory>
 #include <optional>
@@ -42,6 +45,12 @@ struct TopicReport : TopicSource {
   std::chrono::steady_clock::time_point rejected_at{};  ///< when that was
   std::string wrong_type;  ///< why the topic is not subscribed: its type, and the one expected
 };
+
+/// Reads a message of a source, and counts in its report what is left out. Returns nullptr, or the fault.
+const char* read_message(const sensor_msgs::LaserScan& message, const ClockStep& clock, PlanarScan& scan,
+                         TopicReport& report);
+const char* read_message(const sensor_msgs::PointCloud2& message, const ClockStep& clock, Cloud& cloud,
+                         TopicReport& report);
 
 /// Subscribes LaserScan, PointCloud2 and VelodyneScan topics of other nodes. The type comes from the master,
 /// asked in the master thread; the callback thread converts and hands the result on.

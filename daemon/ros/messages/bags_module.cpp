@@ -53,29 +53,39 @@ class OpenBags final : public BagReader {
     for (const auto& [name, topic] : all) topics_.push_back(topic);
   }
   const std::vector<BagTopic>& topics() const override { return topics_; }
-  void choose(const std::vector<std::string>& topics) override {
+  void choose(const std::function<bool(const std::string&)>& is_wanted) override {
+    std::vector<std::string> names;
+    for (const BagTopic& topic : topics_)
+      if (is_wanted(topic.name)) names.push_back(topic.name);
     view_ = std::make_unique<rosbag::View>();
-    for (const auto& bag : bags_) view_->addQuery(*bag, rosbag::TopicQuery(topics));
+    for (const auto& bag : bags_) view_->addQuery(*bag, rosbag::TopicQuery(names));
     at_ = view_->begin();
   }
   bool next(BagMessage& message) override {
     if (at_ == view_->end()) return false;
-    const rosbag::MessageInstance& from = *at_;
+    try {
+      read(*at_, message);
+      ++at_;
+    } catch (const std::exception& problem) {
+      std::string files;
+      for (const auto& bag : bags_) files += bag->getFileName() + ": ";
+      throw std::runtime_error(files + problem.what());
+    }
+    return true;
+  }
+
+ private:
+  static void read(const rosbag::MessageInstance& from, BagMessage& message) {
     message.topic = from.getTopic();
     message.time = from.getTime();
     message.scan = from.instantiate<sensor_msgs::LaserScan>();
     message.cloud = from.instantiate<sensor_msgs::PointCloud2>();
     message.bytes.clear();
-    if (!message.scan && !message.cloud) {
-      message.bytes.resize(from.size());
-      ros::serialization::OStream stream(message.bytes.data(), from.size());
-      from.write(stream);
-    }
-    ++at_;
-    return true;
+    if (message.scan || message.cloud) return;
+    message.bytes.resize(from.size());
+    ros::serialization::OStream stream(message.bytes.data(), from.size());
+    from.write(stream);
   }
-
- private:
   void open(const std::string& path) {
     try {
       bags_.push_back(std::make_unique<rosbag::Bag>(path, rosbag::bagmode::Read));

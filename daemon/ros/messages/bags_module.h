@@ -48,8 +48,8 @@ class BagReader {
   virtual ~BagReader() = default;
   virtual const std::vector<BagTopic>& topics() const = 0;
   /// Restricts what next() returns to these topics; begins anew.
-  virtual void choose(const std::vector<std::string>& topics) = 0;
-  /// The next message; false at the end. Throws std::exception.
+  virtual void choose(const std::function<bool(const std::string& topic)>& is_wanted) = 0;
+  /// The next message; false at the end. Throws a std::exception that names the files.
   virtual bool next(BagMessage& message) = 0;
 };
 

@@ -221,6 +221,8 @@ INSTANTIATE_TEST_SUITE_P(
                           "f:3:4: not YAML: the { of line 2 is not closed"},
                       Row{"sensors:\n  a: {model: velodyne_vlp16, pose: {xyz: [1, 2, 3}}\n",
                           "the [ of line 2 is not closed"},
+                      Row{"sensors:\n  a: {topic: \"[\"}\nvehicle\n  x: 1\n",
+                          "f:4:4: not YAML: line 3 has no key"},
                       Row{"sensors:\n  # {\n  a: {model: b, pose: {xyz: [1, 2, 3]}\nvehicle:\n  x: 1\n",
                           "the { of line 3 is not closed"},
                       Row{"sensors:\n  roof\n    model: velodyne_vlp16\n",

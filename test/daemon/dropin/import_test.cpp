@@ -257,8 +257,7 @@ TEST(Import, AFlatScanOfACloudIsAVirtualScan) {
                        {{"/cloud_in", "/velodyne_points"}, {"/scan", "/scan_flat"}}),
                   velodyne, points, transform({"0.2", "0", "0.1", "0", "0", "0", "trunk", "velodyne"})});
   const Config config = parsed(imported);
-  ASSERT_EQ(config.virtual_scans.size(), 1U);
-  const VirtualScanConfig& scan = config.virtual_scans[0];
+  const VirtualScanConfig& scan = config.virtual_scans.at(0);
   EXPECT_EQ(config.vehicle.base_frame, "trunk");
   EXPECT_EQ(scan.virtual_laser_scan, std::vector<std::string>{"velodyne"});
   EXPECT_EQ(scan.output_laser_topic, "/scan_flat");
@@ -275,27 +274,18 @@ TEST(Import, AFlatScanWithoutTargetIsInTheFrameOfItsSource) {
   const auto flat = node("/flat", "pointcloud_to_laserscan", "pointcloud_to_laserscan_node", {}, remaps);
   EXPECT_EQ(parsed(from_nodes({velodyne, points, flat})).virtual_scans.at(0).virtual_laser_scan.at(0),
             "velodyne");
-  const ImportedConfig lost = from_nodes({flat});
-  EXPECT_EQ(lost.entries, 0U);
-  EXPECT_THAT(lost.changes, ElementsAre(HasSubstr("target_frame is empty")));
+  EXPECT_EQ(from_nodes({flat}).entries, 0U);
+  EXPECT_THAT(from_nodes({flat}).changes, ElementsAre(HasSubstr("target_frame is empty")));
   const auto back = node("/back", "pointcloud_to_laserscan", "laserscan_to_pointcloud_node", {});
   EXPECT_THAT(from_nodes({back}).stays, ElementsAre(HasSubstr("it stays in a launch file")));
 }
 
-const LaunchNode left = {"/left",
-                         "urg_node",
-                         "urg_node",
-                         "/",
-                         {},
-                         {{"/scan", "/scan_left"}},
-                         {{"ip_address", "192.168.0.10"}, {"frame_id", "left"}}};
-const LaunchNode right = {"/right",
-                          "urg_node",
-                          "urg_node",
-                          "/",
-                          {},
-                          {{"/scan", "/scan_right"}},
-                          {{"ip_address", "192.168.0.11"}, {"frame_id", "right"}}};
+const LaunchNode left =
+    node("/left", "urg_node", "urg_node", {{"ip_address", "192.168.0.10"}, {"frame_id", "left"}},
+         {{"/scan", "/scan_left"}});
+const LaunchNode right =
+    node("/right", "urg_node", "urg_node", {{"ip_address", "192.168.0.11"}, {"frame_id", "right"}},
+         {{"/scan", "/scan_right"}});
 
 TEST(Import, AUnifierIsAMergedScan) {
   const ImportedConfig imported = from_nodes(
