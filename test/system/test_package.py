@@ -57,6 +57,17 @@ class Packages(unittest.TestCase):
         self.assertEqual(set(self.files), {"lidard", "lidard-pcl", "lidard-sim", "liblidard-dev"})
         self.assertLess(self.files["lidard"].stat().st_size, LARGEST)
 
+    def test_packages_that_would_depend_on_nothing_are_not_made(self):
+        for missing in ("dpkg-shlibdeps", "file"):
+            with self.subTest(missing), tempfile.TemporaryDirectory(prefix="lidard-tools-") as tools:
+                for tool in pathlib.Path("/usr/bin").iterdir():
+                    if tool.name != missing:
+                        os.symlink(tool, os.path.join(tools, tool.name))
+                code, text = run("cpack", "-G", "DEB", "-B", os.path.join(tools, "packages"), cwd=BUILD, env=os.environ | {"PATH": tools})
+                self.assertNotEqual(code, 0)
+                self.assertIn(f"{missing} is missing", text)
+                self.assertFalse(list(pathlib.Path(tools).glob("packages/*.deb")))
+
     def test_the_package_for_the_vehicle_is_whole(self):
         root = self.unpacked("lidard")
         for name in ("usr/bin/lidard", "usr/lib/lidard/velodyne_node", "usr/lib/lidard/free_area",
