@@ -8,7 +8,7 @@
 #include "daemon/commands/inspect_survey.h"
 #include "daemon/commands/progress.h"
 #include "daemon/config/calibration_file.h"
-#include "daemon/pipeline/report.h"
+#include "daemon/health/report.h"
 #include "drivers/capture/pcap_source.h"
 #include "drivers/flow.h"
 #include "drivers/registry/nearest_models.h"

@@ -9,7 +9,7 @@
 #include "daemon/commands/inspect_survey.h"
 #include "daemon/config/yaml_reader.h"
 #include "daemon/files/text_table.h"
-#include "daemon/pipeline/report.h"
+#include "daemon/health/report.h"
 #include "daemon/ros/in/bag_topics.h"
 
 namespace lidard {

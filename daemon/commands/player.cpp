@@ -152,7 +152,7 @@ bool Player::play_once(const std::function<bool()>& stop) {
     if (progress.is_due()) {
       std::uint64_t frames = 0;
       std::uint64_t lost = 0;
-      for (const auto& sensor : pipeline_.report())
+      for (const auto& sensor : pipeline_.status(pipeline_.now()).sensors)
         frames += sensor.counters.frames, lost += sensor.counters.lost_packets;
       const double elapsed = progress.elapsed();
       progress.show(capture_.progress(),

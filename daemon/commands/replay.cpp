@@ -16,7 +16,8 @@
 #include "daemon/commands/inspect_survey.h"
 #include "daemon/commands/player.h"
 #include "daemon/commands/stop_signal.h"
-#include "daemon/pipeline/report.h"
+#include "daemon/health/pipeline_health.h"
+#include "daemon/health/report.h"
 #include "daemon/ros/in/bag_topics.h"
 #include "daemon/ros/in/tf_poses.h"
 #include "daemon/ros/master/environment.h"
@@ -28,7 +29,7 @@ namespace {
 
 /// A replay of captures through a pipeline to a sink.
 struct Replay {
-  Replay(const ReplayOptions& how, const Config& what, MergedCapture& from, FrameSink& to,
+  Replay(const ReplayOptions& how, const Config& what, MergedCapture& from, DiagnosticSink& to,
          TransformSource& poses)
       : config(what),
         capture(from),
@@ -42,8 +43,9 @@ struct Replay {
   MergedCapture& capture;
   const std::unique_ptr<BagTopics> topics;
   const bool alone;  // no captures beside the bags
-  FrameSink& sink;
+  DiagnosticSink& sink;
   Pipeline pipeline;
+  HealthReporter reporter{pipeline, sink};
   Player player;
 
   /// Plays and prints the outputs; `on_time` is called before every packet. False if an output never came.
@@ -61,16 +63,16 @@ struct Replay {
       player.play(stopped);
     if (const std::string why = player.why_nothing(); !why.empty()) throw std::runtime_error(why);
     report(out, err);
-    const auto outputs = pipeline.output_report();
+    const auto outputs = output_reports(pipeline);
     print_outputs("output", outputs, out);
     // A replay that was stopped early may lack outputs.
     return stopped() || all_came(outputs);
   }
 
   void report(std::ostream& out, std::ostream& err) const {
-    const auto sensors = pipeline.report();
+    const auto sensors = pipeline.status(pipeline.now()).sensors;
     print_table(sensors, out);
-    print_verdicts(config, sensors, out);
+    print_verdicts(sensors, out);
     print_capture_counters(capture.counters(), 0, out);
     if (topics) {
       for (const TopicReport& topic : topics->report()) {

@@ -14,7 +14,7 @@
 #include "daemon/commands/player.h"
 #include "daemon/files/snapshot_view.h"
 #include "daemon/files/text_file.h"
-#include "daemon/pipeline/report.h"
+#include "daemon/health/report.h"
 #include "daemon/ros/in/tf_poses.h"
 
 namespace lidard {

@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "daemon/live/journal.h"
-#include "daemon/live/topic_watch.h"
-#include "daemon/pipeline/sink.h"
+#include "daemon/health/diagnostics.h"
+#include "daemon/health/journal.h"
+#include "daemon/health/topic_watch.h"
 
 namespace lidard {
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "daemon/config/config.h"
+#include "daemon/health/diagnostics.h"
 #include "daemon/live/packet_ring.h"
 #include "daemon/pipeline/sink.h"
 

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "daemon/health/sensor_health.h"
 #include "drivers/model.h"
 
 namespace lidard {
@@ -93,7 +94,8 @@ std::string path_filter_hint(const HostCounts& counts) {
 std::string host_hint(const SensorConfig& sensor, const HostCounts& counts) {
   if (!is_received(sensor) || sensor.model->transport != Transport::udp) return {};
   if (std::string dropped = path_filter_hint(counts); !dropped.empty()) return dropped;
-  // Well below what a sensor sends in its slowest mode: a rate at a limit would change the sentence to and fro.
+  // Well below what a sensor sends in its slowest mode: a rate at a limit would change the sentence to and
+  // fro.
   const double enough = std::max(2.0, 0.1 * sensor.model->packets_per_s);
   const std::string who = sensor.ip_address ? sensor.ip_address->to_string() : "the sensor";
   const double unheard = rate(counts.before.without_port, counts.now.without_port, counts.time_s);

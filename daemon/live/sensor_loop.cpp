@@ -6,8 +6,8 @@
 
 #include <algorithm>
 
+#include "daemon/health/report.h"
 #include "daemon/pipeline/log.h"
-#include "daemon/pipeline/report.h"
 
 namespace lidard {
 namespace {
@@ -16,7 +16,7 @@ constexpr auto tick_period = std::chrono::milliseconds(100);
 /// A timer that fires later shows that this thread got no processor.
 constexpr double longest_usual_s = 0.5;
 
-void log_sensor(const SensorReport& sensor) {
+void log_sensor(const SensorStatus& sensor) {
   const Counters& c = sensor.counters;
   log_info("{} ({}): {} packets, {} frames, {} lost, rejected {}", sensor.name, sensor.model, c.packets,
            c.frames, c.lost_packets, rejected_text(c));
@@ -25,10 +25,18 @@ void log_sensor(const SensorReport& sensor) {
 }  // namespace
 
 SensorLoop::SensorLoop(const Config& config, DaemonClock& clock, BlackBox& box, TransformSource& transforms,
-                       FrameSink& sink, Worker worker)
+                       DiagnosticSink& sink, Worker worker)
     : clock_(clock),
       box_(box),
       pipeline_(config, transforms, sink, worker),
+      reporter_(pipeline_, sink, worker,
+                [this](std::vector<DiagnosticItem>& items) {
+                  add_items(items);
+                  items.push_back(load_item());
+                  ports_.add_diagnostics(items);
+                  connections_.add_diagnostics(items);
+                  host_causes_.add_diagnostics(items);
+                }),
       ports_(
           io_, config,
           [this](std::vector<Packet>& packets) {
@@ -57,13 +65,6 @@ SensorLoop::SensorLoop(const Config& config, DaemonClock& clock, BlackBox& box, 
       timer_(io_),
       event_timer_(io_) {
   pipeline_.set_links(&connections_);
-  pipeline_.add_diagnostics([this](std::vector<DiagnosticItem>& items) {
-    add_items(items);
-    items.push_back(load_item());
-    ports_.add_diagnostics(items);
-    connections_.add_diagnostics(items);
-    host_causes_.add_diagnostics(items);
-  });
 }
 
 void SensorLoop::post(std::function<void(Stamp)> task) {
@@ -96,7 +97,7 @@ void SensorLoop::finish() {
   ports_.stop();
   pipeline_.finish(clock_.now());
   connections_.stop();
-  for (const auto& sensor : pipeline_.report()) log_sensor(sensor);
+  for (const SensorStatus& sensor : pipeline_.status(clock_.now()).sensors) log_sensor(sensor);
 }
 
 /// Calls on_round if it is due.

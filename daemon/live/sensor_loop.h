@@ -12,12 +12,12 @@
 #include <utility>
 #include <vector>
 
+#include "daemon/health/pipeline_health.h"
 #include "daemon/live/black_box.h"
 #include "daemon/live/daemon_clock.h"
 #include "daemon/live/host_causes.h"
 #include "daemon/live/tcp_connections.h"
 #include "daemon/live/udp_ports.h"
-#include "daemon/pipeline/pipeline.h"
 #include "drivers/net/interface_watch.h"
 
 namespace lidard {
@@ -28,7 +28,7 @@ class SensorLoop {
  public:
   /// Does what belongs to `worker` in the configuration. The other arguments must outlive this.
   SensorLoop(const Config& config, DaemonClock& clock, BlackBox& box, TransformSource& transforms,
-             FrameSink& sink, Worker worker = Worker::sensors);
+             DiagnosticSink& sink, Worker worker = Worker::sensors);
 
   boost::asio::io_context& io() { return io_; }
   Pipeline& pipeline() { return pipeline_; }
@@ -68,6 +68,7 @@ class SensorLoop {
   DaemonClock& clock_;
   BlackBox& box_;
   Pipeline pipeline_;
+  HealthReporter reporter_;
   UdpPorts ports_;
   HostCauses host_causes_;
   TcpConnections connections_;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "daemon/config/config.h"
+#include "daemon/health/diagnostics.h"
 #include "daemon/pipeline/sensor.h"
 #include "daemon/pipeline/sink.h"
 #include "drivers/net/tcp_source.h"

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "daemon/config/config.h"
+#include "daemon/health/diagnostics.h"
 #include "daemon/pipeline/sink.h"
 #include "drivers/net/udp_source.h"
 

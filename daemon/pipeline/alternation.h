@@ -43,9 +43,4 @@ class Alternation {
   std::optional<Stamp> found_;
 };
 
-/// The sentence on two devices with one address; `who`: what shows it.
-inline std::string two_devices_text(const std::string& address, const std::string& who) {
-  return "two devices have the address " + address + " (" + who + "); give one of them another IP address";
-}
-
 }  // namespace lidard

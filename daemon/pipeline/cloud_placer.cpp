@@ -84,7 +84,7 @@ bool CloudPlacer::release(Waiting& waiting, bool may_wait, Stamp now) {
   const bool is_deskewed = is_placed && (!sensor_.deskew || find_motion(cloud, waiting.instant));
   if (!is_deskewed && may_wait) return false;
   if (!is_placed) {
-    gate_.left_out("not published in " + frame + ": " + why_not);
+    gate_.left_out(why_not);
     return true;
   }
   gate_.published(is_deskewed);

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/pipeline/merge_sources.h"
 
-#include <spdlog/fmt/fmt.h>
-
 #include <algorithm>
 #include <utility>
 
@@ -69,7 +67,7 @@ std::optional<MergeMoment> MergeSources::due(Stamp now) {
     last_instant_ = moment.at;
     return moment;
   }
-  gate_.left_out("on_missing_motion: drop, and poses of the vehicle are missing");
+  gate_.left_out();
   scheduler_.done(now);
   return std::nullopt;
 }
@@ -169,58 +167,17 @@ bool MergeSources::states_changed(Stamp now) {
   return changed;
 }
 
-void MergeSources::describe(DiagnosticItem& item, Stamp now, bool starting) const {
-  describe_states(item, now, starting);
-  describe_motion(item);
-  item.add("Sources waited for in vain", scheduler_.deadlines_missed());
-  if (counters.published == 0 && !gate_.trouble().empty()) item.message = "no output: " + gate_.trouble();
-}
-
-void MergeSources::describe_states(DiagnosticItem& item, Stamp now, bool starting) const {
-  std::string silent, lost, remedy;
-  // Whether any source delivers, and whether all that are lost have never come.
-  bool delivers = false, awaited = true;
-  for (std::size_t s = 0; s < settings_.names.size(); ++s) {
-    const std::string& name = settings_.names[s];
-    const SourceState state = scheduler_.state(s, now);
-    std::string text = to_string(state);
-    const double period = scheduler_.period(s), age_ms = seconds(scheduler_.age(s, now)) * 1000;
-    if (state != SourceState::never)
-      text += fmt::format(", {:.1f} Hz, age {:.0f} ms", period > 0 ? 1 / period : 0, age_ms);
-    item.add("Source " + name, text);
-    const SourceState seen = reported_[s];
-    std::string& list = seen == SourceState::stale ? silent : lost;
-    if (seen != SourceState::ok) list += (list.empty() ? "" : ", ") + name;
-    // Not of a source that follows another clock.
-    constexpr double longest_said_s = 1, room_s = 0.02;
-    const double late = scheduler_.lateness(s);
-    if (seen == SourceState::stale && late > 0 && late < longest_said_s)
-      remedy = fmt::format("; a deadline of {:.2f} waits for them", late + room_s);
-    delivers = delivers || seen == SourceState::ok;
-    awaited = awaited && seen != SourceState::lost;
-  }
-  item.add("Sources lost", lost);
-  if (starting || item.health != Health::ok) return;
-  if (apart_ > another_clock)
-    item.set(Health::warn, fmt::format("merges scans whose stamps are {:.0f} s apart; let all sources follow "
-                                       "one clock, a simulator's (/use_sim_time) or this computer's",
-                                       seconds(apart_)));
-  if (lost.empty() && silent.empty()) return;
-  item.set(lost.empty() ? Health::warn : Health::error,
-           "publishing without " + (lost.empty() ? silent + ", whose sweeps are too old" + remedy : lost));
-  if (!delivers) item.message = "no output, since no source delivers: see the state of its sensors";
-  item.awaited = awaited;
-  if (counters.no_pose > 0 && !counters.why_no_pose.empty()) item.message += ": " + counters.why_no_pose;
-}
-
-void MergeSources::describe_motion(DiagnosticItem& item) const {
-  if (poses_.track() == nullptr) return;
-  const auto has = [this](SourceUse use) { return std::count(uses_.begin(), uses_.end(), use) > 0; };
-  item.add("Motion", poses_.track()->empty()        ? "no poses yet"
-                     : has(SourceUse::static_poses) ? "not deskewed: poses of the sweeps' time are missing"
-                     : has(SourceUse::extrapolated) ? "deskewed, partly beyond the newest pose"
-                                                    : "deskewed");
-  gate_.describe(item);
+MergeStatus MergeSources::status(Stamp now) const {
+  MergeStatus status;
+  for (std::size_t s = 0; s < settings_.names.size(); ++s)
+    status.sources.push_back({settings_.names[s], scheduler_.state(s, now), reported_[s],
+                              scheduler_.period(s), seconds(scheduler_.age(s, now)), scheduler_.lateness(s)});
+  status.uses = uses_;
+  status.apart = apart_;
+  status.deadlines_missed = scheduler_.deadlines_missed();
+  status.track = poses_.track();
+  status.gate = gate_;
+  return status;
 }
 
 }  // namespace lidard

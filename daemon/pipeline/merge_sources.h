@@ -14,7 +14,7 @@
 namespace lidard {
 
 /// The sources of an output that merges: whether they deliver, when the output is due and which instant it
-/// shows, and what is reported of them.
+/// shows.
 class MergeSources {
  public:
   struct Settings {
@@ -45,8 +45,7 @@ class MergeSources {
   bool states_changed(Stamp now);
   /// What became of the sources in the last output.
   const std::vector<SourceUse>& uses() const { return uses_; }
-  /// Adds the states of the sources, and motion.
-  void describe(DiagnosticItem& item, Stamp now, bool starting) const;
+  MergeStatus status(Stamp now) const;
 
   OutputCounters counters;
 
@@ -55,8 +54,6 @@ class MergeSources {
   SourceState reported_state(std::size_t source, Stamp now) const;
   MergeMoment moment_of(Stamp now);
   bool has_poses(const MergeMoment& moment, Stamp now);
-  void describe_states(DiagnosticItem& item, Stamp now, bool starting) const;
-  void describe_motion(DiagnosticItem& item) const;
 
   Settings settings_;
   const OutputContext& context_;

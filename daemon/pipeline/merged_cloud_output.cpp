@@ -53,16 +53,15 @@ class MergedCloudOutput final : public Output {
     merger_.reset();
     sources_.restart();
   }
-  bool publishes(const std::string& topic) const override { return topic == topic_.name; }
-  DiagnosticItem diagnostics(Stamp now, bool starting) const override {
-    DiagnosticItem item = health_of("merged cloud " + config_.name, sources_.counters, now, starting);
-    sources_.describe(item, now, starting);
-    if (item.health == Health::ok && sources_.counters.published > 0 && !is_wanted())
-      item.message = "not built: nobody subscribes to " + topic_.name + ", and no virtual scan is made of it";
-    item.add("Returns", merged_size_);
-    item.add("Clouds replaced before use", merger_.superseded());
-    item.add("Clouds out of order", merger_.out_of_order());
-    return item;
+  OutputStatus status(Stamp now) const override {
+    OutputStatus status;
+    status.topics = {topic_.name};
+    status.counters = sources_.counters;
+    status.merge = sources_.status(now);
+    status.figures = {{"Returns", merged_size_},
+                      {"Clouds replaced before use", merger_.superseded()},
+                      {"Clouds out of order", merger_.out_of_order()}};
+    return status;
   }
 
  private:

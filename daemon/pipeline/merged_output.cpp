@@ -1,8 +1,5 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <spdlog/fmt/chrono.h>
-#include <spdlog/fmt/fmt.h>
-
 #include <algorithm>
 #include <optional>
 #include <string>
@@ -30,16 +27,6 @@ MergeSettings settings_of(const MergedScanConfig& config) {
     settings.each.push_back(own == config.source_settings.end() ? settings.source : own->second);
   }
   return settings;
-}
-
-/// What to add to the pose of the pair's second source, in the output frame; `sign` -1: to that of the first.
-std::string correction_of(const MountDifference& pair, double sign) {
-  const auto part = [&](std::size_t i, const char* name, double scale, const char* unit) {
-    const auto at = static_cast<Eigen::Index>(i);
-    return pair.determined[i] ? fmt::format("{} {:+.3f} {}", name, sign * scale * pair.correction[at], unit)
-                              : fmt::format("{} not determined by the surroundings", name);
-  };
-  return part(2, "yaw", deg_per_rad, "deg") + ", " + part(0, "x", 1, "m") + ", " + part(1, "y", 1, "m");
 }
 
 /// A merged scan: takes the scans of its sources, publishes when one is due.
@@ -98,20 +85,31 @@ class MergedOutput final : public Output {
     mount_check_.reset();
     sources_.restart();
   }
-  bool publishes(const std::string& topic) const override {
-    const auto has = [&](const OutputTopic* own) { return own != nullptr && own->name == topic; };
-    return has(cloud_topic_) || has(status_topic_) ||
-           std::any_of(scan_topics_.begin(), scan_topics_.end(), has);
-  }
-  DiagnosticItem diagnostics(Stamp now, bool starting) const override {
-    DiagnosticItem item = health_of("merged " + config_.name, sources_.counters, now, starting);
-    sources_.describe(item, now, starting);
-    describe_mounts(item);
-    if (merger_->visibility() != nullptr) describe_returns(item);
-    item.add("Sweeps replaced before use", merger_->superseded());
-    item.add("Sweeps out of order", merger_->out_of_order());
-    item.add("Sweeps with impossible times", merger_->bad_times());
-    return item;
+  OutputStatus status(Stamp now) const override {
+    OutputStatus status;
+    status.counters = sources_.counters;
+    status.merge = sources_.status(now);
+    status.merge->mounts = mount_check_.pairs();
+    status.merge->wrong_mount = mount_check_.wrong_source();
+    for (const OutputTopic* topic : scan_topics_) status.topics.push_back(topic->name);
+    for (const OutputTopic* topic : {cloud_topic_, status_topic_})
+      if (topic != nullptr) status.topics.push_back(topic->name);
+    if (merger_->visibility() != nullptr) {
+      std::uint64_t own = 0, seen_through = 0, mixed = 0;
+      for (std::size_t s = 0; s < config_.laserscan_topics.size(); ++s) {
+        const PlacedScan& sweep = merger_->last_sweep(s);
+        own += sweep.own_returns;
+        seen_through += sweep.seen_through;
+        mixed += sweep.mixed_pixels;
+      }
+      status.figures = {{"Returns on the vehicle", own},
+                        {"Returns from behind the vehicle", seen_through},
+                        {"Mixed pixels", mixed}};
+    }
+    status.figures.insert(status.figures.end(), {{"Sweeps replaced before use", merger_->superseded()},
+                                                 {"Sweeps out of order", merger_->out_of_order()},
+                                                 {"Sweeps with impossible times", merger_->bad_times()}});
+    return status;
   }
 
  private:
@@ -173,46 +171,6 @@ class MergedOutput final : public Output {
     mount_check_.update(
         stamp, compared_, places_,
         poses_.track() != nullptr && std::none_of(sources_.uses().begin(), sources_.uses().end(), moved));
-  }
-  void describe_returns(DiagnosticItem& item) const {
-    std::uint64_t own = 0, seen_through = 0, mixed = 0;
-    for (std::size_t s = 0; s < config_.laserscan_topics.size(); ++s) {
-      const PlacedScan& sweep = merger_->last_sweep(s);
-      own += sweep.own_returns;
-      seen_through += sweep.seen_through;
-      mixed += sweep.mixed_pixels;
-    }
-    item.add("Returns on the vehicle", own);
-    item.add("Returns from behind the vehicle", seen_through);
-    item.add("Mixed pixels", mixed);
-  }
-  void describe_mounts(DiagnosticItem& item) const {
-    const auto wrong = mount_check_.wrong_source();
-    for (const MountDifference& pair : mount_check_.pairs()) {
-      const std::string& first = config_.laserscan_topics[pair.first];
-      const std::string& second = config_.laserscan_topics[pair.second];
-      const bool is_first = wrong == pair.first;
-      if (pair.is_astray && item.health == Health::ok)
-        item.set(Health::warn,
-                 fmt::format("{} sees nothing of what {} sees where their fields of view overlap; check the pose "
-                             "of {} (since {:%H:%M:%S} UTC; `lidard calibrate -c FILE CAPTURE` of the parked "
-                             "vehicle finds it)",
-                             is_first ? first : second, is_first ? second : first,
-                             wrong ? (is_first ? first : second) : "both",
-                             fmt::gmtime(pair.astray_since->ns / 1'000'000'000)));
-      if (pair.surfaces == 0) continue;
-      item.add(fmt::format("Mount check {}/{}", first, second),
-               fmt::format("{} surfaces; mount of {}: {}; +- {:.1f} mm, {:.3f} deg", pair.surfaces, second,
-                           correction_of(pair, 1), 1000 * pair.sigma.head<2>().maxCoeff(),
-                           deg_per_rad * pair.sigma[2]));
-      if (!pair.is_wrong || item.health != Health::ok) continue;
-      item.set(Health::warn,
-               fmt::format(
-                   "{} and {} do not agree on where surfaces are; correct {} {} by {} (since {:%H:%M:%S} "
-                   "UTC; `lidard calibrate -c FILE CAPTURE` of the parked vehicle finds it)",
-                   first, second, wrong ? "the mount of" : "a mount, e.g. that of", is_first ? first : second,
-                   correction_of(pair, is_first ? -1 : 1), fmt::gmtime(pair.since->ns / 1'000'000'000)));
-    }
   }
 
   MergedScanConfig config_;

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/pipeline/other_model.h"
 
+#include <algorithm>
+
 namespace lidard {
 namespace {
 
@@ -23,18 +25,14 @@ void OtherModel::refused(const Packet& packet, Reject reason) {
   if (++looked_ == enough) conclude();
 }
 
-/// Products with equal packets are named together.
 void OtherModel::conclude() {
-  sentence_.clear();
+  models_.clear();
   const Model* const found = identifier_->verdict();
-  if (found == nullptr || found->row == expected_->row) return;
-  std::string names(found->product);
-  for (const Model* other : identifier_->others()) {
-    if (other->row == expected_->row) return;
-    names += " or " + std::string(other->product);
-  }
-  sentence_ = "this is a " + names + ", not a " + std::string(expected_->product) +
-              "; set model: " + std::string(found->name);
+  if (found == nullptr) return;
+  models_ = {found};
+  for (const Model* other : identifier_->others()) models_.push_back(other);
+  const auto is_expected = [this](const Model* model) { return model->row == expected_->row; };
+  if (std::any_of(models_.begin(), models_.end(), is_expected)) models_.clear();
 }
 
 }  // namespace lidard

@@ -3,7 +3,7 @@
 #pragma once
 
 #include <memory>
-#include <string>
+#include <vector>
 
 #include "drivers/model.h"
 #include "drivers/registry/identifier.h"
@@ -17,8 +17,8 @@ class OtherModel {
   explicit OtherModel(const Model* expected) : expected_(expected) {}
 
   void refused(const Packet& packet, Reject reason);
-  /// "this is a VLP-32C, not a VLP-16; set model: velodyne_vlp32c"; empty: unknown.
-  const std::string& sentence() const { return sentence_; }
+  /// The models that send such packets, the likeliest first; empty: unknown.
+  const std::vector<const Model*>& models() const { return models_; }
 
  private:
   void conclude();
@@ -27,7 +27,7 @@ class OtherModel {
   std::unique_ptr<Identifier> identifier_;
   Stamp begun_{};
   int looked_ = 0;
-  std::string sentence_;
+  std::vector<const Model*> models_;
 };
 
 }  // namespace lidard

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/pipeline/output.h"
 
-#include <spdlog/fmt/fmt.h>
-
 #include <algorithm>
 #include <limits>
 #include <stdexcept>
@@ -44,30 +42,6 @@ float value_of(EmptyBeam beam, const OutputScanConfig& config) {
 void set_encoding(const OutputScanConfig& output, PlanarScan& scan) {
   scan.none_as = value_of(output.empty, output);
   scan.invalid_as = value_of(output.unobserved, output);
-}
-
-DiagnosticItem health_of(const std::string& name, const OutputCounters& counters, Stamp now, bool starting) {
-  DiagnosticItem item{name};
-  const double age = seconds(now - counters.last_published);
-  if (starting && counters.no_pose == 0 && (counters.published == 0 || age > counters.most_silence)) {
-    item.message = "waiting for input";
-  } else if (counters.published == 0) {
-    item.set(Health::error, counters.no_pose > 0 ? "no output: " + counters.why_no_pose
-                                                 : "no output: no input has come in yet");
-  } else if (age > counters.most_silence) {
-    item.set(Health::error,
-             counters.no_pose > 0
-                 ? "no output any more: " + counters.why_no_pose
-                 : fmt::format("no output for more than {:.0f} s: see the state of its sensors",
-                               counters.most_silence));
-  } else {
-    item.message = "publishing";
-  }
-  item.awaited = counters.published == 0;
-  item.add("Published", counters.published);
-  item.add("Held back without a newer instant", counters.held_back);
-  item.add("Inputs without pose", counters.no_pose);
-  return item;
 }
 
 void Outlet::configure(const Config& config) {

@@ -12,8 +12,8 @@
 #include "core/motion/frame_motion.h"
 #include "daemon/config/config.h"
 #include "daemon/pipeline/frame_tree.h"
-#include "daemon/pipeline/report.h"
 #include "daemon/pipeline/sink.h"
+#include "daemon/pipeline/status.h"
 
 namespace lidard {
 
@@ -54,9 +54,6 @@ class Outlet {
   void skip(const OutputTopic& topic, Stamp now);
   /// True if an output is made of this source whose frames are wanted.
   bool feeds(std::size_t source) const;
-  void publish(const std::vector<DiagnosticItem>& items, Stamp now, Worker worker) {
-    sink_.diagnostics(items, now, worker);
-  }
   /// To the outputs that are made of this source.
   void feed(std::size_t source, const PlanarScan& scan, Stamp now);
   void feed(std::size_t source, const Cloud& cloud, Stamp now);
@@ -124,8 +121,7 @@ class Output {
   /// The input starts again.
   virtual void restart() {}
 
-  virtual bool publishes(const std::string& topic) const = 0;
-  virtual DiagnosticItem diagnostics(Stamp now, bool starting) const = 0;
+  virtual OutputStatus status(Stamp now) const = 0;
 
   Stamp begun{};  ///< when the configuration asked for it first
 };
@@ -141,16 +137,6 @@ inline bool advances(Stamp instant, Stamp last) {
   return instant > last + std::chrono::microseconds(1) || last - instant >= restart_limit;
 }
 
-/// What one output did since the start.
-struct OutputCounters {
-  std::uint64_t published = 0;
-  std::uint64_t held_back = 0;  ///< outputs not published, since they would show the former instant again
-  std::uint64_t no_pose = 0;    ///< inputs not used because the pose of a frame was not known
-  std::string why_no_pose;      ///< the newest reason
-  Stamp last_published{};
-  double most_silence = 3;  ///< s without an output that are no error
-};
-
 /// The grid of a specification that the configuration has accepted.
 ScanGrid grid_of(const ScanGridSpec& spec);
 HeightBand band_of(const OutputScanConfig& config);
@@ -158,7 +144,5 @@ HeightBand band_of(const OutputScanConfig& config);
 float value_of(EmptyBeam beam, const OutputScanConfig& config);
 /// How an entry's own scan holds what is not there and what is not known.
 void set_encoding(const OutputScanConfig& output, PlanarScan& scan);
-/// Whether an output publishes, and if not, why. While all are `starting`, waiting for input is no error.
-DiagnosticItem health_of(const std::string& name, const OutputCounters& counters, Stamp now, bool starting);
 
 }  // namespace lidard

@@ -9,7 +9,7 @@
 namespace lidard {
 namespace {
 
-constexpr Span diagnostics_period = std::chrono::seconds(1);
+constexpr Span report_period = std::chrono::seconds(1);
 
 }  // namespace
 
@@ -50,7 +50,7 @@ void Pipeline::configure(const Config& config) {
     for (const auto& entry : config.virtual_scans) add_output(entry, outputs);
   }
   knows_next_event_ = false;
-  diagnostics_wanted_ = true;
+  report_wanted_ = true;
 }
 
 void Pipeline::add_sensor(const SensorConfig& entry, std::size_t place, List<Sensor>& before) {
@@ -115,8 +115,7 @@ void Pipeline::packet(const Packet& packet) {
     sensor->receive_recorded(packet, now);
   else
     sensor->receive(packet, now);
-  if (const auto newest = sensor->made_time())
-    made_time_ = MadeTime{packet.arrival, std::max(*newest, now)};
+  if (const auto newest = sensor->made_time()) made_time_ = MadeTime{packet.arrival, std::max(*newest, now)};
 }
 
 void Pipeline::chunk(std::size_t sensor, const Packet& packet) {
@@ -202,7 +201,7 @@ void Pipeline::advance_to(Stamp at) {
   motion_.poll(at);
   for (const auto& output : outputs_) {
     output->advance(at);
-    diagnostics_wanted_ = output->states_changed(at) || diagnostics_wanted_;
+    report_wanted_ = output->states_changed(at) || report_wanted_;
   }
   knows_next_event_ = false;
 }
@@ -240,7 +239,7 @@ void Pipeline::advance(Stamp now) {
   for (int round = 0; event && *event <= now && round < most_rounds; ++round, event = next_event()) {
     const Stamp at = std::max(*event, newest_past);
     advance_to(at);
-    if (diagnostics_wanted_) publish_diagnostics(at);
+    if (report_wanted_) call_reporter(at);
   }
   sensor_context_.now = now;
 }
@@ -248,16 +247,16 @@ void Pipeline::advance(Stamp now) {
 void Pipeline::tick(Stamp now) {
   // What arrived after the caller looked at its clock is known already.
   const Stamp known = sensor_context_.now;
-  if (now < known && known - now < diagnostics_period) now = known;
+  if (now < known && known - now < report_period) now = known;
   for (const auto& sensor : sensors_) sensor->advance(now);
   advance(now);
   advance_to(now);
   for (const auto& sensor : sensors_) {
     sensor->tick(now - made_ahead_);
-    diagnostics_wanted_ = sensor->silence_changed(now) || diagnostics_wanted_;
+    report_wanted_ = sensor->silence_changed(now) || report_wanted_;
   }
-  const Span since = now - last_diagnostics_;
-  if (diagnostics_wanted_ || since < Span(0) || since >= diagnostics_period) publish_diagnostics(now);
+  const Span since = now - last_report_;
+  if (report_wanted_ || since < Span(0) || since >= report_period) call_reporter(now);
 }
 
 void Pipeline::finish(Stamp now) {
@@ -273,74 +272,30 @@ void Pipeline::restart() {
   knows_next_event_ = false;
 }
 
-std::vector<SensorReport> Pipeline::report() const {
-  std::vector<SensorReport> reports;
-  for (const auto& sensor : sensors_) reports.push_back(sensor->report());
-  return reports;
-}
-
-std::vector<OutputReport> Pipeline::output_report() const {
-  std::vector<OutputReport> reports = outlet_.reports();
-  for (OutputReport& report : reports) report.remark = why_missing(report.name);
-  return reports;
-}
-
-std::string Pipeline::why_missing(const std::string& topic) const {
-  const Stamp now = sensor_context_.now;
+PipelineStatus Pipeline::status(Stamp now) const {
+  PipelineStatus status;
+  status.now = now;
+  for (const auto& sensor : sensors_) {
+    status.sensors.push_back(sensor->status(now));
+    status.sensors.back().starting = start_.is_starting(now, sensor->begun);
+  }
+  status.motion = motion_.status(sensor_context_.now);
   for (const auto& output : outputs_) {
-    if (!output->publishes(topic)) continue;
-    const DiagnosticItem item = output->diagnostics(now, false);
-    std::string why = item.health == Health::ok ? "" : item.message;
-    const auto sources = output->sources();
-    for (const auto& sensor : sensors_) {
-      const SensorReport report = sensor->report();
-      const std::string& name = sensor->config().name;
-      if (!item.awaited || report.counters.frames > 0 ||
-          std::find(sources.begin(), sources.end(), name) == sources.end())
-        continue;
-      why += "; " + name + ": " + sensor_health(sensor->config(), report, unknown_senders_, now).message;
-    }
-    return why;
+    status.outputs.push_back(output->status(now));
+    OutputStatus& added = status.outputs.back();
+    added.id = output->id();
+    added.sources = output->sources();
+    added.is_wanted = output->is_wanted();
+    added.starting = start_.is_starting(now, output->begun);
   }
-  for (const auto& sensor : sensors_) {
-    for (const OutputTopic& own : sensor_topics(sensor->config())) {
-      if (own.name != topic) continue;
-      const SensorReport report = sensor->report();
-      if (report.counters.frames == 0)
-        return sensor_health(sensor->config(), report, unknown_senders_, now).message;
-      return report.gate && report.gate->has_left_out() ? report.gate->trouble() : "";
-    }
-  }
-  return {};
+  status.unknown_senders = &unknown_senders_;
+  return status;
 }
 
-std::vector<DiagnosticItem> Pipeline::diagnostics(Stamp now) const {
-  std::vector<DiagnosticItem> items;
-  for (const auto& sensor : sensors_) {
-    SensorReport report = sensor->report();
-    report.starting = start_.is_starting(now, sensor->begun);
-    items.push_back(sensor_health(sensor->config(), report, unknown_senders_, now));
-  }
-  for (const auto& sensor : sensors_) {
-    if (auto item = sensor->settings(now)) items.push_back(std::move(*item));
-  }
-  if (auto item = motion_.diagnostics(sensor_context_.now)) items.push_back(std::move(*item));
-  for (const auto& output : outputs_)
-    items.push_back(output->diagnostics(now, start_.is_starting(now, output->begun)));
-  if (const auto names = unknown_senders_.names(now - UnknownSenders::expires_after); !names.empty())
-    items.push_back(unknown_senders_item(names));
-  if (more_diagnostics_) more_diagnostics_(items);
-  return items;
-}
-
-void Pipeline::publish_diagnostics(Stamp now) {
-  diagnostics_wanted_ = false;
-  last_diagnostics_ = now;
-  outlet_.publish(diagnostics(now), now, worker_);
-}
-
-void Pipeline::add_diagnostics(std::function<void(std::vector<DiagnosticItem>&)> source) {
-  more_diagnostics_ = std::move(source);
+void Pipeline::call_reporter(Stamp now) {
+  report_wanted_ = false;
+  last_report_ = now;
+  reporter_(now);
 }
 
 }  // namespace lidard

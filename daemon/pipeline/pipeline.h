@@ -126,23 +126,23 @@ class Pipeline final : public MessageReceiver {
   void advance(Stamp now);
   /// The next time at which advance() has something to do.
   std::optional<Stamp> next_event();
-  /// Time passed; publishes diagnostics once per second of it, and when a source comes or goes.
+  /// Time passed; calls the reporter when its time has come.
   void tick(Stamp now);
   /// End of input: hands on what is complete.
   void finish(Stamp now);
   /// The input starts again (replay --loop).
   void restart();
 
-  std::vector<SensorReport> report() const;
-  /// What came out so far, one for each of output_topics(), with what was missing in it as its remark.
-  std::vector<OutputReport> output_report() const;
-  /// What /diagnostics says of one of output_topics() on which nothing came, or not all; empty: all came.
-  std::string why_missing(const std::string& topic) const;
+  /// States and counters; what the parts refer to is valid until the next configure().
+  PipelineStatus status(Stamp now) const;
+  /// What came out so far, one for each of output_topics().
+  const std::vector<OutputReport>& output_reports() const { return outlet_.reports(); }
   /// Senders on a configured port that no sensor claims, "192.168.1.9:2368 (412 packets)".
   std::vector<std::string> unclaimed_senders() const { return unknown_senders_.names(); }
-  std::vector<DiagnosticItem> diagnostics(Stamp now) const;
-  /// Adds what others know (sockets) to every diagnostics() list.
-  void add_diagnostics(std::function<void(std::vector<DiagnosticItem>&)> source);
+  /// The newest time that the pipeline knows.
+  Stamp now() const { return sensor_context_.now; }
+  /// Called once per second of the time, and when a source comes or goes.
+  void set_reporter(std::function<void(Stamp now)> reporter) { reporter_ = std::move(reporter); }
 
  private:
   template <class What>
@@ -156,7 +156,7 @@ class Pipeline final : public MessageReceiver {
   template <class Entry>
   void add_output(const Entry& entry, List<Output>& before);
   void advance_to(Stamp at);
-  void publish_diagnostics(Stamp now);
+  void call_reporter(Stamp now);
 
   const Worker worker_;
   VehicleConfig vehicle_;
@@ -179,9 +179,9 @@ class Pipeline final : public MessageReceiver {
   StartWatch start_;
   std::optional<Stamp> next_event_;
   bool knows_next_event_ = false;
-  Stamp last_diagnostics_{};
-  bool diagnostics_wanted_ = false;  // a source has come or gone
-  std::function<void(std::vector<DiagnosticItem>&)> more_diagnostics_;
+  std::function<void(Stamp)> reporter_ = [](Stamp) {};
+  Stamp last_report_{};
+  bool report_wanted_ = false;  // a source has come or gone
 };
 
 }  // namespace lidard

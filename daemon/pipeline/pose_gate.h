@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "daemon/pipeline/sink.h"
+#include "core/base/time.h"
 
 namespace lidard {
 
@@ -14,6 +14,8 @@ namespace lidard {
 /// poses for a limited time and is then published as if the vehicle stood still, or dropped. Counts both.
 class PoseGate {
  public:
+  enum class Newest : std::uint8_t { published, not_deskewed, left_out };
+
   /// True if a frame that has waited since `since` may still wait at `now`. A clock that was set back ends
   /// the wait.
   static bool may_wait(Stamp since, Span longest_wait, Stamp now) {
@@ -21,29 +23,25 @@ class PoseGate {
   }
   void published(bool is_deskewed) {
     if (!is_deskewed) ++not_deskewed_;
-    trouble_ = is_deskewed ? ""
-                           : "published as if the vehicle stood still: its poses at the time of measuring "
-                             "are missing; see that odometry is published";
+    newest_ = is_deskewed ? Newest::published : Newest::not_deskewed;
   }
-  void left_out(std::string why) {
+  /// `why`: the pose that is missing; empty: those of the vehicle.
+  void left_out(std::string why = {}) {
     ++left_out_;
-    trouble_ = std::move(why);
+    newest_ = Newest::left_out;
+    why_ = std::move(why);
   }
-  bool has_left_out() const { return left_out_ > 0; }
-  /// What is missing in the newest frame, with the remedy; empty: nothing.
-  const std::string& trouble() const { return trouble_; }
-  /// Adds the counters, and WARN with trouble() if the item is ok.
-  void describe(DiagnosticItem& item) const {
-    item.add("Not deskewed", not_deskewed_);
-    item.add("Left out for want of poses", left_out_);
-    if (item.health == Health::ok && !trouble_.empty()) item.set(Health::warn, trouble_);
-  }
-  /// The line below the table of a replay: "2 clouds not deskewed"; empty: no losses.
-  std::string losses() const;
+  /// What became of the newest frame.
+  Newest newest() const { return newest_; }
+  /// Why the newest one that was left out was; empty: poses of the vehicle were missing.
+  const std::string& why() const { return why_; }
+  std::uint64_t left_out_count() const { return left_out_; }
+  std::uint64_t not_deskewed_count() const { return not_deskewed_; }
 
  private:
   std::uint64_t not_deskewed_ = 0, left_out_ = 0;
-  std::string trouble_;
+  Newest newest_ = Newest::published;
+  std::string why_;
 };
 
 }  // namespace lidard

@@ -6,8 +6,6 @@
 #include <utility>
 
 #include "daemon/pipeline/log.h"
-#include "daemon/pipeline/report.h"
-#include "daemon/pipeline/sensor_health.h"
 
 namespace lidard {
 namespace {
@@ -276,7 +274,7 @@ void Sensor::tick(Stamp by_arrivals) {
 }
 
 bool Sensor::silence_changed(Stamp now) {
-  const Health is = seen_ ? silence_of(last_arrival_, watch_.period_s(), now) : Health::ok;
+  const SilenceLevel is = seen_ ? silence_of(last_arrival_, watch_.period_s(), now) : SilenceLevel::none;
   return std::exchange(silence_, is) != is;
 }
 
@@ -293,54 +291,39 @@ void Sensor::restart() {
   watch_.restart();
 }
 
-SensorReport Sensor::report() const {
-  SensorReport report;
-  report.name = config_.name;
-  report.model = driver_ ? std::string(config_.model->name) : "topic";
-  report.counters = counters();
+SensorStatus Sensor::status(Stamp now) const {
+  SensorStatus status;
+  status.name = config_.name;
+  status.config = &config_;
+  status.model = driver_ ? std::string(config_.model->name) : "topic";
+  status.counters = counters();
   if (driver_ && !config_.packet_topic.empty())
-    report.info = info_of(*driver_, "topic " + config_.packet_topic);
+    status.info = info_of(*driver_, "topic " + config_.packet_topic);
   else if (driver_)
     // The kernel stamps live packets; of those that waited while the daemon was stopped many have one stamp.
-    report.info = context_.connections != nullptr ? driver_->info() : info_of(*driver_);
-  if (filter_) {
-    report.filter = filter_->counters();
-    report.filter_trouble = filter_trouble(filter_->counters(), topic_->name);
-    if (ring_topic_ != nullptr && report.filter_trouble.empty())
-      report.filter_trouble = filter_trouble(ring_filter_->counters(), ring_topic_->name);
-  }
-  if (placer_) report.gate = placer_->gate();
-  report.seen = seen_;
-  report.last_arrival = last_arrival_;
-  report.last_telemetry = last_telemetry_;
-  const bool silent = !seen_ || silence_of(last_arrival_, watch_.period_s(), context_.now) != Health::ok;
+    status.info = context_.connections != nullptr ? driver_->info() : info_of(*driver_);
+  if (driver_ && context_.connections != nullptr) status.settings = driver_->settings(now);
+  if (filter_) status.filters.push_back({topic_->name, filter_->counters()});
+  if (filter_ && ring_topic_ != nullptr)
+    status.filters.push_back({ring_topic_->name, ring_filter_->counters()});
+  if (placer_) status.gate = placer_->gate();
+  status.seen = seen_;
+  status.last_arrival = last_arrival_;
+  status.last_telemetry = last_telemetry_;
+  const bool silent =
+      !seen_ || silence_of(last_arrival_, watch_.period_s(), context_.now) != SilenceLevel::none;
   if (context_.connections != nullptr && silent) {
-    report.link_trouble = context_.connections->trouble(place_);
-    report.link_hint = context_.connections->hint(place_);
+    status.link_trouble = context_.connections->trouble(place_);
+    status.link_hint = context_.connections->hint(place_);
   }
-  report.other_model = other_model_.sentence();
-  report.clock_trouble = topic_clock_.trouble(where_from(config_), true);
-  report.stamps_replaced = topic_clock_.replaced();
-  report.two_devices = two_devices();
-  report.recent = watch_.recent();
-  report.whole = watch_.whole();
-  return report;
-}
-
-/// A sentence on two devices with the sensor's address; empty: there is one.
-std::string Sensor::two_devices() const {
-  if (driver_ == nullptr) return {};
-  const std::string both = devices_.both(context_.now);
-  const std::string address = config_.ip_address.value_or(data_sender_).to_string();
-  const bool are_serials = config_.model->transport == Transport::tcp;
-  return both.empty() ? both : two_devices_text(address, (are_serials ? "serial numbers " : "") + both);
-}
-
-std::optional<DiagnosticItem> Sensor::settings(Stamp now) const {
-  if (driver_ == nullptr || context_.connections == nullptr) return std::nullopt;
-  const auto status = driver_->settings(now);
-  if (!status) return std::nullopt;
-  return settings_item(config_, *status);
+  status.other_models = other_model_.models();
+  status.clock_ahead = topic_clock_.ahead();
+  status.stamps_replaced = topic_clock_.replaced();
+  status.address = config_.ip_address.value_or(data_sender_);
+  if (driver_) status.rivals = devices_.both(context_.now);
+  status.recent = watch_.recent();
+  status.whole = watch_.whole();
+  return status;
 }
 
 void Sensor::fill_empty(PlanarScan& scan) const {

@@ -20,8 +20,7 @@
 #include "daemon/pipeline/output.h"
 #include "daemon/pipeline/raw_packets.h"
 #include "daemon/pipeline/reception.h"
-#include "daemon/pipeline/report.h"
-#include "daemon/pipeline/sensor_health.h"
+#include "daemon/pipeline/status.h"
 #include "daemon/pipeline/topic_clock.h"
 #include "daemon/pipeline/vehicle_motion.h"
 #include "drivers/address.h"
@@ -109,9 +108,7 @@ class Sensor final : public DriverOutput {
   /// The input starts again.
   void restart();
 
-  SensorReport report() const;
-  /// The device's settings compared with the wanted ones; none: the driver does not read them.
-  std::optional<DiagnosticItem> settings(Stamp now) const;
+  SensorStatus status(Stamp now) const;
 
   void scan(PlanarScan& scan) override;
   void cloud(Cloud& cloud) override;
@@ -137,7 +134,6 @@ class Sensor final : public DriverOutput {
   Span correction_of(Stamp stamp, Span lasts, Stamp received);
   /// Records the arrival of data.
   void notice_data(Stamp received);
-  std::string two_devices() const;
   /// Stores the geometry; logs a changed number of beams.
   void notice_shape(const PlanarScan& scan);
   /// Makes a scan without beams one that observed nothing.
@@ -182,7 +178,7 @@ class Sensor final : public DriverOutput {
   bool seen_ = false;      // data was received (not telemetry)
   Stamp last_arrival_{};
   std::optional<Stamp> last_telemetry_;
-  Health silence_ = Health::ok;
+  SilenceLevel silence_ = SilenceLevel::none;
   Counters topic_counters_;  // without a driver
   TopicClock topic_clock_;   // of messages
   ReceptionWatch watch_;

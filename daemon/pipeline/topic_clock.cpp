@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/pipeline/topic_clock.h"
 
-#include <spdlog/fmt/fmt.h>
-
 #include <algorithm>
 
 namespace lidard {
@@ -31,14 +29,8 @@ Stamp TopicClock::place(Stamp stamp, Span lasts, Stamp arrival) {
   return std::min(clock_.to_host(Span(stamp.ns)), arrival - lasts);
 }
 
-std::string TopicClock::trouble(const std::string& source, bool has_offset) const {
-  if (strikes_ < many_strikes) return {};
-  const double s = seconds(ahead_);
-  return fmt::format(
-      "the stamps of {} are {:.2f} s {} this computer's clock, so they are placed by their arrival; "
-      "synchronise the clocks of both computers (chrony){}; of a bag or a simulator, set /use_sim_time",
-      source, std::abs(s), s > 0 ? "ahead of" : "behind",
-      has_offset ? fmt::format(" or set time_offset: {:.3f}", -s) : "");
+std::optional<Span> TopicClock::ahead() const {
+  return strikes_ < many_strikes ? std::nullopt : std::optional(ahead_);
 }
 
 }  // namespace lidard

@@ -3,7 +3,7 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
+#include <optional>
 
 #include "core/base/device_clock.h"
 #include "core/base/time.h"
@@ -11,9 +11,9 @@
 namespace lidard {
 
 /// Judges the stamps of another node's messages by their arrivals. What was measured after its arrival, or
-/// long before it, was stamped by a clock that is not this host's. What replaces the stamp keeps the intervals
-/// of that clock and is placed by the arrivals, as the stamps of a device are; a stamp that does not increase
-/// becomes the arrival.
+/// long before it, was stamped by a clock that is not this host's. What replaces the stamp keeps the
+/// intervals of that clock and is placed by the arrivals, as the stamps of a device are; a stamp that does
+/// not increase becomes the arrival.
 class TopicClock {
  public:
   /// `lead`: how far ahead of their arrival stamps may be, as those of predicted poses are.
@@ -23,9 +23,9 @@ class TopicClock {
   Stamp place(Stamp stamp, Span lasts, Stamp arrival);
   /// Stamps that were replaced.
   std::uint64_t replaced() const { return replaced_; }
-  /// Why stamps are replaced again and again, with the remedy; empty: at most a few are. `source` names the
-  /// messages; `has_offset`: the configuration has a key time_offset for them.
-  std::string trouble(const std::string& source, bool has_offset) const;
+  /// By how much the clock that stamps the messages is ahead of that of the arrivals; none: at most a few
+  /// stamps are of another clock.
+  std::optional<Span> ahead() const;
 
  private:
   Span lead_;

@@ -2,14 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/pipeline/vehicle_motion.h"
 
-#include <spdlog/fmt/fmt.h>
-
 #include <algorithm>
 #include <cmath>
 
 namespace lidard {
 namespace {
 
+/// s; younger poses and speeds are live.
 constexpr double longest_lag_s = 0.5;
 /// A speed of that age says little.
 constexpr double longest_speed_s = 3;
@@ -75,48 +74,28 @@ void VehicleMotion::note_poses(Stamp now) {
   pose_ = Newest{track_.newest(), now};
 }
 
-/// The fault, with the remedy; empty: none.
-std::string VehicleMotion::trouble(Stamp now) const {
-  if (track_.empty())
-    return "no pose of the vehicle yet, so scans are not deskewed; see that odometry is published";
-  const std::string& topic = vehicle_.odometry_topic.empty() ? vehicle_.imu_topic : vehicle_.odometry_topic;
-  if (std::string clocks = topic_clock_.trouble("topic " + topic, false); !clocks.empty()) return clocks;
-  const bool data_live = data_ && seconds(now - data_->arrival) < data_live_s;
-  if (!data_live) {
-    const bool pose_live = pose_ && seconds(now - pose_->arrival) < longest_lag_s;
-    return pose_live ? "" : "no pose of the vehicle any more";
-  }
-  const double lag = seconds(data_->stamp - track_.newest());
-  if (lag > longest_lag_s)
-    return fmt::format(
-        "the newest pose of the vehicle is {:.1f} s older than the newest scan, which is not deskewed; does "
-        "odometry still come, and are its stamps of the same clock?",
-        lag);
-  const double ahead = seconds(track_.oldest() - data_->stamp);
-  if (ahead > longest_lag_s)
-    return fmt::format(
-        "the oldest pose of the vehicle is {:.1f} s newer than the newest scan, which is not deskewed; are "
-        "the stamps of both of the same clock?",
-        ahead);
-  return "";
-}
-
-std::optional<DiagnosticItem> VehicleMotion::diagnostics(Stamp now) const {
+std::optional<MotionStatus> VehicleMotion::status(Stamp now) const {
   if (!vehicle_.has_motion()) return std::nullopt;
-  DiagnosticItem item{"motion"};
-  const std::string what = trouble(now);
-  item.set(what.empty() ? Health::ok : Health::warn, what.empty() ? "poses come in" : what);
-  if (!what.empty() && !why_refused_.empty()) item.message += ": " + why_refused_;
-  item.values = {{"Knots", std::to_string(track_.size())},
-                 {"Jumps back", std::to_string(track_.restarts())},
-                 {"Not rigid", std::to_string(track_.not_rigid())},
-                 {"Frame not known", std::to_string(refused_)}};
-  if (!vehicle_.speed_topic.empty()) item.add("Turn rates without speed", without_speed_);
-  if (!track_.empty() && data_)
-    item.add("Scans ahead of poses (s)", std::to_string(seconds(data_->stamp - track_.newest())));
-  item.add("Stamps replaced", topic_clock_.replaced());
-  item.add("Out of order", track_.out_of_order() + reckoning_.refused());
-  return item;
+  MotionStatus status;
+  status.has_poses = !track_.empty();
+  status.topic = vehicle_.odometry_topic.empty() ? vehicle_.imu_topic : vehicle_.odometry_topic;
+  status.has_speed_topic = !vehicle_.speed_topic.empty();
+  status.clock_ahead = topic_clock_.ahead();
+  status.data_live = data_ && seconds(now - data_->arrival) < data_live_s;
+  status.poses_live = pose_ && seconds(now - pose_->arrival) < longest_lag_s;
+  if (data_ && status.has_poses) {
+    status.data_ahead_s = seconds(data_->stamp - track_.newest());
+    status.poses_ahead_s = seconds(track_.oldest() - data_->stamp);
+  }
+  status.why_refused = why_refused_;
+  status.knots = track_.size();
+  status.jumps_back = track_.restarts();
+  status.not_rigid = track_.not_rigid();
+  status.refused = refused_;
+  status.without_speed = without_speed_;
+  status.stamps_replaced = topic_clock_.replaced();
+  status.out_of_order = track_.out_of_order() + reckoning_.refused();
+  return status;
 }
 
 }  // namespace lidard

@@ -9,7 +9,7 @@
 #include "core/motion/pose_track.h"
 #include "daemon/config/config.h"
 #include "daemon/pipeline/frame_tree.h"
-#include "daemon/pipeline/sink.h"
+#include "daemon/pipeline/status.h"
 #include "daemon/pipeline/topic_clock.h"
 
 namespace lidard {
@@ -44,8 +44,8 @@ class VehicleMotion {
   }
   const FrameTree& frames() const { return frames_; }
   const std::string& base_frame() const { return vehicle_.base_frame; }
-  /// The item on poses; none: there is no source of motion.
-  std::optional<DiagnosticItem> diagnostics(Stamp now) const;
+  /// None: there is no source of motion.
+  std::optional<MotionStatus> status(Stamp now) const;
 
  private:
   struct Newest {
@@ -55,7 +55,6 @@ class VehicleMotion {
   /// The pose of a frame on the vehicle; counts failures.
   std::optional<Pose> place(const std::string& parent, const std::string& child, Stamp stamp);
   void note_poses(Stamp now);
-  std::string trouble(Stamp now) const;
 
   const VehicleConfig& vehicle_;
   TransformSource& transforms_;

@@ -81,25 +81,18 @@ class VirtualOutput final : public Output {
     last_instant_ = {};
     for (SteadyStamps& stamps : stamps_) stamps.reset();
   }
-  bool publishes(const std::string& topic) const override {
-    for (const auto& of_frame : topics_) {
-      for (const OutputTopic* own : of_frame)
-        if (own->name == topic) return true;
-    }
-    return false;
-  }
-  DiagnosticItem diagnostics(Stamp now, bool starting) const override {
-    DiagnosticItem item = health_of("virtual " + config_.name, counters_, now, starting);
-    describe_frames(item);
-    if (poses_.track() != nullptr) gate_.describe(item);
-    if (!config_.has_visibility()) return item;
-    item.add("Clouds without rings", without_rings_);
-    item.add("Returns on the vehicle", virtualizer_->own_returns());
-    const std::string why = virtualizer_->why_no_surfaces();
-    if (item.health == Health::ok && !why.empty()) {
-      item.set(Health::warn, "points alone, nothing is known to be free: of the cloud " + why);
-    }
-    return item;
+  OutputStatus status(Stamp) const override {
+    OutputStatus status;
+    status.counters = counters_;
+    for (const auto& of_frame : topics_)
+      for (const OutputTopic* topic : of_frame) status.topics.push_back(topic->name);
+    status.planes = VirtualStatus{config_.virtual_laser_scan, why_unplaced_, "", std::nullopt};
+    if (poses_.track() != nullptr) status.planes->gate = gate_;
+    if (!config_.has_visibility()) return status;
+    status.planes->why_no_surfaces = virtualizer_->why_no_surfaces();
+    status.figures = {{"Clouds without rings", without_rings_},
+                      {"Returns on the vehicle", virtualizer_->own_returns()}};
+    return status;
   }
 
  private:
@@ -150,13 +143,7 @@ class VirtualOutput final : public Output {
       context_.outlet.publish(*topics_[frame][i], scans_[i], now);
     }
   }
-  void describe_frames(DiagnosticItem& item) const {
-    if (item.health != Health::ok) return;
-    for (std::size_t i = 0; i < why_unplaced_.size(); ++i) {
-      if (why_unplaced_[i].empty()) continue;
-      item.set(Health::warn, "publishing without " + config_.virtual_laser_scan[i] + ": " + why_unplaced_[i]);
-    }
-  }
+
   VirtualScanConfig config_;
   const OutputContext& context_;
   const FrameTree& poses_;

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "daemon/config/config.h"
+#include "daemon/health/diagnostics.h"
 #include "daemon/ros/in/component.h"
 #include "daemon/ros/master/environment.h"
 #include "daemon/ros/master/node_name.h"

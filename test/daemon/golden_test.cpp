@@ -21,8 +21,9 @@
 
 #include "daemon/commands/commands.h"
 #include "daemon/commands/inspect_survey.h"
+#include "daemon/health/pipeline_health.h"
+#include "daemon/health/report.h"
 #include "daemon/pipeline/pipeline.h"
-#include "daemon/pipeline/report.h"
 #include "drivers/capture/pcap_source.h"
 #include "test/daemon/pipeline/no_tf.h"
 #include "test/support/captures.h"
@@ -63,7 +64,7 @@ std::string without_folders(std::string text, const std::string& temporary = "")
 }
 
 /// Sums up what a pipeline publishes, and the state in its diagnostics, not their values.
-class SummedSink final : public FrameSink {
+class SummedSink final : public DiagnosticSink {
  public:
   void publish(const OutputTopic& topic, const Payload& payload, Stamp released) override {
     note(topic, released);
@@ -123,6 +124,7 @@ Played played(const std::string& path, const Config& config, const Day& day) {
   NoTf tf;
   SummedSink sink;
   Pipeline pipeline(config, tf, sink);
+  const HealthReporter reporter(pipeline, sink);
   Stamp now{}, begin{};
   std::size_t number = 0;
   const auto pose_at = [](double t) { return make_pose({3 * t, 0.1 * t, 0}, {0, 0.02 * t, 0.5 * t}); };
@@ -135,14 +137,14 @@ Played played(const std::string& path, const Config& config, const Day& day) {
     if (day.drives && number % 20 == 0) pipeline.pose_message(now, pose_at(t), "", now);
     if (day.comes(number)) pipeline.packet(packet);
     pipeline.tick(now);
-    if (number % 700 == 650) all.states += text_of(pipeline.diagnostics(now), false);
+    if (number % 700 == 650) all.states += text_of(items_of(pipeline, now), false);
   }
-  all.values = text_of(pipeline.diagnostics(now), true);
+  all.values = text_of(items_of(pipeline, now), true);
   pipeline.finish(now);
   std::ostringstream tables;
-  print_table(pipeline.report(), tables);
-  print_verdicts(config, pipeline.report(), tables);
-  print_outputs("output", pipeline.output_report(), tables);
+  print_table(pipeline.status(pipeline.now()).sensors, tables);
+  print_verdicts(pipeline.status(pipeline.now()).sensors, tables);
+  print_outputs("output", output_reports(pipeline), tables);
   for (const std::string& sender : pipeline.unclaimed_senders()) tables << sender << '\n';
   for (const auto& fixed : pipeline.static_transforms())
     tables << fixed.parent << " -> " << fixed.child << '\n';
@@ -151,7 +153,7 @@ Played played(const std::string& path, const Config& config, const Day& day) {
     pipeline.tick(now + span_from_seconds(later));
     const auto event = pipeline.next_event();
     all.states += "next " + std::to_string(event ? (*event - now).count() : -1) + "\n" +
-                  text_of(pipeline.diagnostics(now + span_from_seconds(later)), false);
+                  text_of(items_of(pipeline, now + span_from_seconds(later)), false);
   }
   all.sums = sink.sums.digest(path + ", " + day.name);
   return all;

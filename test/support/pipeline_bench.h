@@ -7,8 +7,8 @@
 #include <string>
 #include <utility>
 
+#include "daemon/health/pipeline_health.h"
 #include "daemon/pipeline/frame_tree.h"
-#include "daemon/pipeline/pipeline.h"
 #include "test/sim/world/units.h"
 #include "test/support/recording_sink.h"
 
@@ -66,7 +66,7 @@ struct PipelineBench {
     pipeline.cloud_message(sensor, cloud, arrival);
   }
   DiagnosticItem item(const std::string& name, Stamp now) const {
-    for (const DiagnosticItem& one : pipeline.diagnostics(now))
+    for (const DiagnosticItem& one : items_of(pipeline, now))
       if (one.name == name) return one;
     throw std::out_of_range(name);
   }
@@ -78,6 +78,9 @@ struct PipelineBench {
   RecordingSink sink;
   Config config;
   Pipeline pipeline{config, tf, sink};
+  std::function<void(std::vector<DiagnosticItem>&)> add_items = [](std::vector<DiagnosticItem>&) {};
+  HealthReporter reporter{pipeline, sink, Worker::sensors,
+                          [this](std::vector<DiagnosticItem>& items) { add_items(items); }};
 };
 
 }  // namespace lidard::test

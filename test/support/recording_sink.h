@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "daemon/pipeline/sink.h"
+#include "daemon/health/diagnostics.h"
 
 namespace lidard::test {
 
@@ -22,7 +22,7 @@ inline std::string value_of(const DiagnosticItem& item, const std::string& key) 
 }
 
 /// Keeps everything that a pipeline hands on, and fails the test for a scan that is not sound.
-class RecordingSink final : public FrameSink {
+class RecordingSink final : public DiagnosticSink {
  public:
   /// `keep_frames` false: scans and clouds are counted and not kept, for long streams.
   explicit RecordingSink(bool keep_frames = true) : keep_frames_(keep_frames) {}

@@ -13,7 +13,7 @@
 
 #include "core/base/host_clock.h"
 #include "daemon/config/config.h"
-#include "daemon/pipeline/sink.h"
+#include "daemon/health/diagnostics.h"
 #include "daemon/ros/in/callback_thread.h"
 #include "daemon/ros/master/wait_until.h"
 #include "daemon/ros/messages/raw_message.h"

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "daemon/config/config.h"
+#include "daemon/health/diagnostics.h"
 #include "daemon/ros/in/component.h"
 #include "drivers/model.h"
 

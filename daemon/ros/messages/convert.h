@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "core/base/host_clock.h"
-#include "daemon/pipeline/sink.h"
+#include "daemon/health/diagnostics.h"
 
 namespace lidard {
 

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "daemon/health/diagnostics.h"
 #include "daemon/ros/out/message_rows.h"
 
 namespace lidard {
@@ -22,7 +23,7 @@ class BagError : public std::runtime_error {
 
 /// Writes the messages for ROS into a bag; needs no master. The time of a message in the bag is the frame's
 /// `released`. The same calls give the same file, byte by byte.
-class BagSink : public FrameSink {
+class BagSink : public DiagnosticSink {
  public:
   /// Creates or overwrites the file; throws BagError.
   explicit BagSink(const std::string& path);

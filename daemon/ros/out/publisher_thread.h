@@ -19,7 +19,8 @@
 #include <variant>
 #include <vector>
 
-#include "daemon/live/topic_watch.h"
+#include "daemon/health/diagnostics.h"
+#include "daemon/health/topic_watch.h"
 #include "daemon/ros/master/environment.h"
 #include "daemon/ros/master/thread_watch.h"
 #include "daemon/ros/out/message_rows.h"
@@ -35,7 +36,7 @@ ros::Publisher make_publisher(const std::string& topic, const MessageType& type,
 /// converts and publishes in the order in which the frames came. Live, what has waited for a second makes
 /// room for what comes. Frames and their buffers are recycled: no allocation after warm-up. The calls of
 /// FrameSink never wait (unless Backpressure::block); those on the topics of a worker come from its thread.
-class PublisherThread final : public FrameSink {
+class PublisherThread final : public DiagnosticSink {
  public:
   using OnDiagnostics = std::function<void(Worker, const std::vector<DiagnosticItem>&)>;
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "daemon/health/pipeline_health.h"
 #include "daemon/live/tcp_connections.h"
 #include "daemon/live/udp_ports.h"
 #include "daemon/pipeline/frame_tree.h"

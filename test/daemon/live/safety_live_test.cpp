@@ -123,7 +123,7 @@ TEST(SafetyLive, NothingIsWrittenUnlessAllowedAndDiagnosticsSayWhatDiffers) {
   bench.run(500ms);
   EXPECT_THAT(scanner.settings().heard, testing::Not(Contains("call 176")));
   EXPECT_EQ(bench.scans(), 0U);
-  const auto report = bench.pipeline.report()[0];
+  const auto report = bench.pipeline.status(bench.pipeline.now()).sensors[0];
   EXPECT_EQ(report.info.serial, "12345678");
   EXPECT_THAT(report.info.warnings, Contains(HasSubstr("set allow_write: true")));
 }

@@ -52,7 +52,7 @@ TEST(TcpConnections, CarryADialogueAndAStreamToFrames) {
   EXPECT_EQ(t.peer.read(), "hello\n");
   EXPECT_EQ(t.b.items().at(0).is_up, true);
   EXPECT_EQ(t.b.message(0), "connected");
-  const auto report = t.b.pipeline.report();
+  const auto report = t.b.pipeline.status(t.b.pipeline.now()).sensors;
   EXPECT_TRUE(report[0].seen);
   EXPECT_EQ(report[0].link_trouble, "");
 }
@@ -62,11 +62,12 @@ TEST(TcpConnections, SayWhyThereIsNoConnectionInTheSensorsDiagnosticsToo) {
   ASSERT_TRUE(t.b.until([&] { return t.peer.accept(); }));
   t.peer.stop_listening();
   t.peer.close_client();
-  ASSERT_TRUE(t.b.until([&] { return !t.b.pipeline.report()[0].link_trouble.empty(); }));
+  ASSERT_TRUE(
+      t.b.until([&] { return !t.b.pipeline.status(t.b.pipeline.now()).sensors[0].link_trouble.empty(); }));
   t.b.run(milliseconds(300));
   EXPECT_THAT(t.b.message(0), HasSubstr("refuses the connection"));
   EXPECT_EQ(t.b.items().at(0).is_up, false);
-  const auto items = t.b.pipeline.diagnostics(now_of_host());
+  const auto items = items_of(t.b.pipeline, now_of_host());
   EXPECT_EQ(items[0].health, Health::error);
   EXPECT_THAT(items[0].message, HasSubstr("refuses the connection"));
 }
@@ -235,7 +236,7 @@ TEST(TcpConnections, LoseNothingOfOtherSensorsAndLeakNothingWhileOneDisconnectsA
   }
   b.run(milliseconds(100));
   EXPECT_EQ(b.sink.count("front/scan"), 1100U);
-  EXPECT_EQ(b.pipeline.report()[1].counters.packets, sender.sent);
+  EXPECT_EQ(b.pipeline.status(b.pipeline.now()).sensors[1].counters.packets, sender.sent);
   EXPECT_LE(open_files(), files);
 #ifndef __SANITIZE_ADDRESS__  // which keeps for a while what was freed, and finds leaks itself
   EXPECT_LE(resident() - memory, 512);

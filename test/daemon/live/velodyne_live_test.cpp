@@ -72,7 +72,7 @@ struct WebBench final : LiveBench {
   WebBench(WebServer& web, bool write) : LiveBench(config_of(web, write)), server(web) {}
   void meanwhile() override { server.serve(); }
   DiagnosticItem control() {
-    for (const DiagnosticItem& item : pipeline.diagnostics(now_of_host())) {
+    for (const DiagnosticItem& item : items_of(pipeline, now_of_host())) {
       if (item.name == "sensor roof control") return item;
     }
     ADD_FAILURE() << "nothing is told of the settings";

@@ -8,6 +8,7 @@
 #include <limits>
 #include <map>
 
+#include "daemon/health/pipeline_health.h"
 #include "daemon/pipeline/frame_tree.h"
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/ros/messages/convert.h"
@@ -97,6 +98,7 @@ struct Room {
   LatePoses poses;
   Config config;
   Pipeline pipeline;
+  HealthReporter reporter{pipeline, sink};
   Stamp now{1'767'225'600'000'000'000};
 };
 
@@ -120,8 +122,8 @@ TEST(BadInput, EmptySweepCountsAsDeliveredAndLeavesItsSectorUnobserved) {
   EXPECT_TRUE(std::isnan(room.strict().ranges.at(ahead)));
   EXPECT_TRUE(std::isnan(room.safety().ranges.at(ahead)));
   EXPECT_NEAR(room.strict().ranges.at(behind), 5, 0.01);
-  EXPECT_EQ(room.pipeline.report().at(0).counters.frames, 8U);
-  EXPECT_EQ(room.pipeline.report().at(0).counters.rejected_total(), 0U);
+  EXPECT_EQ(room.pipeline.status(room.pipeline.now()).sensors.at(0).counters.frames, 8U);
+  EXPECT_EQ(room.pipeline.status(room.pipeline.now()).sensors.at(0).counters.rejected_total(), 0U);
   room.expect_valid();
 }
 
@@ -199,7 +201,7 @@ TEST(BadInput, ScansThatBreakTheirInvariantsAreCountedAndNotUsed) {
   ASSERT_EQ(from_ros(room.message("front_laser"), scan), nullptr);
   scan.ranges[3] = -5;
   room.pipeline.scan_message("front", scan, room.now);
-  EXPECT_EQ(room.pipeline.report().at(0).counters.rejected_total(), 1U);
+  EXPECT_EQ(room.pipeline.status(room.pipeline.now()).sensors.at(0).counters.rejected_total(), 1U);
 }
 
 TEST(BadInput, AMissingPoseIsAnErrorWithTheFramesNameUntilItComes) {

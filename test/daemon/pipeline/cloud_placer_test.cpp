@@ -10,6 +10,9 @@
 #include <algorithm>
 #include <sstream>
 
+#include "daemon/health/output_health.h"
+#include "daemon/health/pipeline_health.h"
+#include "daemon/health/report.h"
 #include "daemon/pipeline/pipeline.h"
 #include "drivers/capture/pcap_source.h"
 #include "test/daemon/config/config_support.h"
@@ -66,6 +69,7 @@ struct Demo {
             "poses: {v: {xyz: [0, 0, 0.5]}}}}",
         "f");
     Pipeline pipeline(config, way, sink);
+    const HealthReporter reporter(pipeline, sink);
     PcapSource source(test::project_file("pcaps/demo.pcap"));
     Packet packet;
     while (source.next(packet)) {
@@ -74,8 +78,8 @@ struct Demo {
       pipeline.tick(packet.arrival);
     }
     pipeline.finish(way.now);
-    remark = pipeline.why_missing("roof/points");
-    print_verdicts(config, pipeline.report(), verdicts);
+    remark = why_missing(pipeline, "roof/points");
+    print_verdicts(pipeline.status(pipeline.now()).sensors, verdicts);
   }
   const std::vector<Cloud>& clouds() { return sink.clouds["roof/points"]; }
   const DiagnosticItem& told() { return sink.item("sensor roof"); }
@@ -217,7 +221,7 @@ TEST(CloudPlacer, NothingIsAllocatedPerCloudAfterWarmUp) {
   }
   EXPECT_EQ(test::allocations() - before, 0U);
   EXPECT_EQ(published, 10U);
-  EXPECT_EQ(placer.gate().losses(), "");
+  EXPECT_EQ(pose_losses(placer.gate(), ""), "");
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "daemon/config/config.h"
+#include "daemon/health/pipeline_health.h"
 #include "daemon/pipeline/pipeline.h"
 #include "drivers/capture/pcap_source.h"
 #include "test/daemon/pipeline/no_tf.h"
@@ -30,7 +31,7 @@ struct DemoDrive {
   NoTf tf;
   test::RecordingSink sink;
   std::map<std::string, std::vector<TrueFrame>> truth;
-  std::vector<SensorReport> report;
+  std::vector<SensorStatus> report;
 
   explicit DemoDrive(const std::function<void(Config&)>& change = {}) {
     if (change) change(config);
@@ -40,6 +41,7 @@ struct DemoDrive {
 
   void play() {
     Pipeline pipeline(config, tf, sink);
+    const HealthReporter reporter(pipeline, sink);
     PcapSource source(test::project_file("pcaps/demo.pcap"));
     Packet packet;
     Stamp last{};
@@ -49,7 +51,7 @@ struct DemoDrive {
       last = packet.arrival;
     }
     pipeline.finish(last);
-    report = pipeline.report();
+    report = pipeline.status(pipeline.now()).sensors;
     EXPECT_TRUE(pipeline.unclaimed_senders().empty());
   }
 

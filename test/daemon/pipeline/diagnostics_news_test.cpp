@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include "daemon/health/pipeline_health.h"
 #include "daemon/pipeline/frame_tree.h"
 #include "daemon/pipeline/pipeline.h"
 #include "test/support/recording_sink.h"
@@ -22,6 +23,7 @@ merged_scans:
   NoTransforms none;
   test::RecordingSink sink;
   Pipeline pipeline(config, none, sink);
+  const HealthReporter reporter(pipeline, sink);
   pipeline.tick(at(10));
   EXPECT_EQ(sink.tellings, 1);
   for (const auto& item : sink.newest)

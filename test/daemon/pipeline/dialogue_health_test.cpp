@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "daemon/health/pipeline_health.h"
 #include "daemon/pipeline/frame_tree.h"
 #include "daemon/pipeline/pipeline.h"
 #include "drivers/registry/registry.h"
@@ -44,7 +45,7 @@ struct Bench {
   void pass_a_start() {
     for (int i = 0; i < 11; ++i) pipeline.tick(now = now + 100ms);
   }
-  DiagnosticItem health() { return pipeline.diagnostics(now).at(0); }
+  DiagnosticItem health() { return items_of(pipeline, now).at(0); }
 
   NoTransforms poses;
   RecordingSink sink;
@@ -58,7 +59,7 @@ TEST(DialogueHealth, AnswersOfADialogueAreNoData) {
   bench.chunk(sim::scip_answer("QT", "00"));
   bench.chunk(sim::scip_answer("VV", "00", sim::scip_entries({{"PROD", "UST-10LX"}})));
   bench.pass_a_start();
-  EXPECT_FALSE(bench.pipeline.report().at(0).seen);
+  EXPECT_FALSE(bench.pipeline.status(bench.pipeline.now()).sensors.at(0).seen);
   EXPECT_EQ(bench.health().health, Health::error);
   EXPECT_THAT(bench.health().message, HasSubstr("nothing received from 192.168.0.10:10940"));
 }
@@ -67,8 +68,8 @@ TEST(DialogueHealth, AScanIsData) {
   Bench bench("hokuyo_ust_10lx");
   const std::string stamp = sim::scip_line(sim::scip_code(1000, 4));
   bench.chunk(sim::scip_answer("MD0000000101000", "99", stamp + sim::scip_block("0010020")));
-  EXPECT_TRUE(bench.pipeline.report().at(0).seen);
-  EXPECT_EQ(bench.pipeline.report().at(0).last_arrival, bench.now);
+  EXPECT_TRUE(bench.pipeline.status(bench.pipeline.now()).sensors.at(0).seen);
+  EXPECT_EQ(bench.pipeline.status(bench.pipeline.now()).sensors.at(0).last_arrival, bench.now);
 }
 
 // The device of a model that sends datagrams is told over TCP to do so; that it refuses is why none come.

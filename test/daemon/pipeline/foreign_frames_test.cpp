@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 
+#include "daemon/health/pipeline_health.h"
 #include "daemon/pipeline/pipeline.h"
 #include "test/daemon/pipeline/no_tf.h"
 #include "test/support/recording_sink.h"
@@ -39,7 +40,7 @@ TEST(ForeignFrames, AConfiguredPoseCountsWhateverFrameTheMessagesName) {
     Pipeline pipeline(config, tf, sink);
     PlanarScan scan = foreign_scan(frame);
     pipeline.scan_message("a", scan, begin);
-    ASSERT_EQ(sink.scans["m"].size(), 1U) << frame << ": " << pipeline.why_missing("m");
+    ASSERT_EQ(sink.scans["m"].size(), 1U) << frame << ": " << why_missing(pipeline, "m");
     const PlanarScan& merged = sink.scans["m"][0];
     // From base_link the hit stands at (1, 2): 63.4 deg to the left, 2.236 m away.
     const auto nearest = std::min_element(merged.ranges.begin(), merged.ranges.end());
@@ -58,6 +59,7 @@ TEST(ForeignFrames, SweepOfASourceWithoutPoseIsCountedAndItsFrameNamed) {
       "merged_scans: {m: {laserscan_topics: [a, b], beams: 360, range_max: 9}}\n",
       "test");
   Pipeline pipeline(config, tf, sink);
+  const HealthReporter reporter(pipeline, sink);
   PlanarScan scan = foreign_scan("unheard_of");
   pipeline.scan_message("a", scan, begin);
   pipeline.tick(begin + std::chrono::seconds(2));
@@ -78,6 +80,7 @@ TEST(ForeignFrames, AScannerMayHaveTheNameOfAVirtualScan) {
       "merged_scans: {m: {laserscan_topics: /front, beams: 360, range_max: 9}}\n",
       "test");
   Pipeline pipeline(config, tf, sink);
+  const HealthReporter reporter(pipeline, sink);
   Cloud cloud;
   cloud.frame_id = "roof";
   cloud.stamp = cloud.end = begin;
@@ -98,6 +101,7 @@ TEST(ForeignFrames, AConfiguredPoseCountsWhateverFrameTheCloudsNameAndAFrameWith
       "0.5]}}}}\n",
       "test");
   Pipeline pipeline(config, tf, sink);
+  const HealthReporter reporter(pipeline, sink);
   Cloud cloud;
   cloud.frame_id = "velodyne";
   cloud.stamp = cloud.end = begin;

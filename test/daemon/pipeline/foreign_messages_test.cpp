@@ -58,7 +58,7 @@ TEST(ForeignMessages, AScanWithoutBeamsCountsAsDeliveredAndSaysNothing) {
     bench.give("b", round_scan("b", bench_begin + ms(at)), bench_begin + ms(at));
     ASSERT_EQ(bench.sink.count("m"), before + 1) << known;
   }
-  const SensorReport report = bench.pipeline.report()[0];
+  const SensorStatus report = bench.pipeline.status(bench.pipeline.now()).sensors[0];
   EXPECT_EQ(report.counters.packets, 3U);
   EXPECT_EQ(report.counters.frames, 3U);
   EXPECT_EQ(report.counters.rejected_total(), 0U);
@@ -72,7 +72,7 @@ TEST(ForeignMessages, AScanThatIsNotSoundIsRejectedAndCounted) {
   scan.ranges[5] = 31;  // beyond its own range_max
   bench.give("a", scan, bench_begin);
   EXPECT_EQ(bench.sink.count("m"), 0U);
-  const SensorReport report = bench.pipeline.report()[0];
+  const SensorStatus report = bench.pipeline.status(bench.pipeline.now()).sensors[0];
   EXPECT_EQ(report.counters.packets, 1U);
   EXPECT_EQ(report.counters.frames, 0U);
   EXPECT_EQ(report.counters.rejected[static_cast<std::size_t>(Reject::field)], 1U);
@@ -110,12 +110,12 @@ TEST(ForeignMessages, ATickThatComesALittleLateToATimeAlreadyKnownDoesNotGoBack)
 
 TEST(ForeignMessages, WhatOthersKnowIsAddedToEveryListOfDiagnostics) {
   PipelineBench bench("sensors: {a: {topic: /a}}");
-  bench.pipeline.add_diagnostics([](std::vector<DiagnosticItem>& items) {
+  bench.add_items = [](std::vector<DiagnosticItem>& items) {
     items.push_back({"socket", "", Health::warn, "full", {}});
-  });
+  };
   bench.pipeline.tick(bench_begin);
   EXPECT_EQ(bench.sink.item("socket").message, "full");
-  EXPECT_EQ(bench.item("socket", bench_begin).health, Health::warn);
+  EXPECT_EQ(bench.sink.item("socket").health, Health::warn);
 }
 
 TEST(ForeignMessages, AfterALongPauseOutputsOfThePastAreNotMadeUpFor) {

@@ -115,7 +115,7 @@ TEST(MergedCloud, OfAVehicleWithoutPosesIsStaticWaitedForOrLeftOut) {
     const DiagnosticItem item = bench.item("merged cloud around", bench_begin + ms(1560));
     if (std::string(choice) == "drop") {
       EXPECT_EQ(bench.sink.count("around"), 0U);
-      EXPECT_THAT(bench.pipeline.why_missing("around"), HasSubstr("on_missing_motion: drop"));
+      EXPECT_THAT(why_missing(bench.pipeline, "around"), HasSubstr("on_missing_motion: drop"));
       continue;
     }
     EXPECT_GE(bench.sink.count("around"), 14U) << choice;
@@ -131,7 +131,7 @@ TEST(MergedCloud, OfASourceWithoutPoseSaysSo) {
       "merged_clouds: {around: {sources: [a, b]}}\n");
   for (int at = 100; at <= 2000; at += 100) turn(bench, "a", ms(at)), turn(bench, "b", ms(at + 10));
   EXPECT_GT(bench.sink.count("around"), 10U);
-  EXPECT_EQ(bench.pipeline.why_missing("around"), "publishing without b: no tf from b to base_link");
+  EXPECT_EQ(why_missing(bench.pipeline, "around"), "publishing without b: no tf from b to base_link");
   bench.tf.set("base_link", "b", make_pose({0, 0, 1}, {0, 0, 0}));
   for (int at = 2100; at <= 2200; at += 100) turn(bench, "a", ms(at)), turn(bench, "b", ms(at + 10));
   EXPECT_EQ(count_of(bench.sink.merged_clouds["around"].back(), 1), 100U);
@@ -226,7 +226,7 @@ TEST(MergedCloud, IsNotBuiltWhileNobodyWantsItAndIsWholeFromTheFirstSubscriberOn
     if (sink.skipped < 9) return;
     if (!sink.there) {
       EXPECT_TRUE(sink.sizes.empty());
-      for (const DiagnosticItem& item : demo.pipeline.diagnostics(packet.arrival))
+      for (const DiagnosticItem& item : items_of(demo.pipeline, packet.arrival))
         if (item.name == "merged cloud around") said = item.message;
     }
     sink.there = true;

@@ -139,7 +139,7 @@ TEST(MergedOutput, CountsOutputsThatAreLeftOutForWantOfPoses) {
   EXPECT_EQ(bench.sink.count("m"), 0U);
   EXPECT_EQ(bench.value("merged m", "Left out for want of poses", now), "5");
   EXPECT_EQ(bench.value("merged m", "Motion", now), "no poses yet");
-  EXPECT_EQ(bench.pipeline.why_missing("m"),
+  EXPECT_EQ(why_missing(bench.pipeline, "m"),
             "no output: on_missing_motion: drop, and poses of the vehicle are missing");
 }
 

@@ -222,14 +222,14 @@ TEST(MergedOutput, RaisesNoAlarmOfASourceThatIsStaleForMilliseconds) {
   // A busy machine: the sweeps of b come in 60 ms late now and then.
   PipelineBench bench(two_sources("lost_after: 5"));
   std::vector<std::pair<double, Health>> states;
-  bench.pipeline.add_diagnostics([&](std::vector<DiagnosticItem>& items) {
+  bench.add_items = [&](std::vector<DiagnosticItem>& items) {
     for (const DiagnosticItem& item : items) {
       if (item.name != "merged m" || (!states.empty() && states.back().second == item.health)) continue;
       states.emplace_back(
           seconds(bench.sink.released["m"].empty() ? Span(0) : bench.sink.released["m"].back() - bench_begin),
           item.health);
     }
-  });
+  };
   const auto pass = [&](double begin, double end, double late_ms) {
     for (double at = begin; at < end; at += 10) {
       const bool due = std::fmod(at, 100) == 0;
@@ -329,15 +329,15 @@ TEST(MergedOutput, SaysWhyNothingCameForEachOfItsTopics) {
   PipelineBench bench(
       two_sources("cloud_destination_topic: cloud, status_topic: known, also: {safe: safety}"));
   for (const char* topic : {"m", "cloud", "known", "safe"})
-    EXPECT_THAT(bench.pipeline.why_missing(topic),
+    EXPECT_THAT(why_missing(bench.pipeline, topic),
                 ::testing::MatchesRegex(
                     "no output: no input has come in yet; a: nothing received.*; b: nothing received.*"))
         << topic;
-  EXPECT_EQ(bench.pipeline.why_missing("other"), "");
+  EXPECT_EQ(why_missing(bench.pipeline, "other"), "");
   sweep(bench, "b", ms(100));
   sweep(bench, "a", ms(100));
   bench.pipeline.tick(bench_begin + ms(110));
-  EXPECT_EQ(bench.pipeline.why_missing("m"), "");
+  EXPECT_EQ(why_missing(bench.pipeline, "m"), "");
 }
 
 TEST(MergedOutput, ThatGivesNothingSaysSoAfterThreeSeconds) {

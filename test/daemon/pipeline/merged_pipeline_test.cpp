@@ -8,6 +8,7 @@
 #include <map>
 
 #include "core/evidence/visibility.h"
+#include "daemon/health/pipeline_health.h"
 #include "daemon/pipeline/pipeline.h"
 #include "test/daemon/pipeline/no_tf.h"
 #include "test/sim/world/flat_world.h"
@@ -90,6 +91,7 @@ struct Vehicle {
   test::RecordingSink sink;
   Config config;
   Pipeline pipeline;
+  HealthReporter reporter{pipeline, sink};
 };
 
 TEST(MergedPipeline, GoesOnAtItsRateWhenAScannerDiesAndItsSectorBecomesUnknown) {
@@ -175,7 +177,7 @@ TEST(MergedPipeline, IsDeskewedByOdometryAndSaysWhenItIsNot) {
     vehicle.sweep("left", at);
     vehicle.sweep("right", at + ms(7));
   }
-  for (const DiagnosticItem& item : vehicle.pipeline.diagnostics(begin + ms(1000))) {
+  for (const DiagnosticItem& item : items_of(vehicle.pipeline, begin + ms(1000))) {
     if (item.name == "merged m") {
       EXPECT_EQ(item.message.find("as if the vehicle stood still"), std::string::npos) << item.message;
     }
@@ -205,13 +207,13 @@ DiagnosticItem motion_item(Span sweeps_before, Span poses_before, bool sweeps_go
       vehicle.sweep("right", at + ms(7), sweeps_before);
     }
     if (at != ms(1960)) continue;
-    for (const DiagnosticItem& item : vehicle.pipeline.diagnostics(begin + at + ms(10))) {
+    for (const DiagnosticItem& item : items_of(vehicle.pipeline, begin + at + ms(10))) {
       if (item.name != "motion") continue;
       EXPECT_EQ(item.health, sweeps_before == poses_before ? Health::ok : Health::warn) << item.message;
     }
   }
   vehicle.pipeline.tick(begin + ms(4100));
-  for (const DiagnosticItem& item : vehicle.pipeline.diagnostics(begin + ms(4100))) {
+  for (const DiagnosticItem& item : items_of(vehicle.pipeline, begin + ms(4100))) {
     if (item.name == "motion") return item;
   }
   return {};
@@ -266,6 +268,7 @@ TEST(MergedPipeline, TimeOffsetOfATopicMovesItsStamps) {
       "merged_scans: {m: {laserscan_topics: a, beams: 90, range_max: 9}}\n",
       "test");
   Pipeline pipeline(config, tf, sink);
+  const HealthReporter reporter(pipeline, sink);
   PlanarScan scan;
   scan.reset(90);
   scan.set_angles(0, 0.01F);

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/angle.h"
+#include "daemon/health/pipeline_health.h"
 #include "daemon/pipeline/frame_tree.h"
 #include "daemon/pipeline/pipeline.h"
 #include "test/sim/world/flat_world.h"
@@ -52,7 +53,7 @@ DiagnosticItem status_after(double seconds, double yaw_deg, double x) {
     now = now + std::chrono::milliseconds(40);
     pipeline.tick(now);
   }
-  sink.diagnostics(pipeline.diagnostics(now), now, Worker::sensors);
+  sink.diagnostics(items_of(pipeline, now), now, Worker::sensors);
   return sink.item("merged around");
 }
 
@@ -84,8 +85,9 @@ TEST(MountCheckOutput, WarnsOfAMountThatIsFarFromItsPose) {
   EXPECT_THAT(turned.message, ::testing::ContainsRegex("right by yaw \\+(5\\.9|6\\.0)[0-9]+ deg"));
   const DiagnosticItem lost = status_after(9, 80, 0);
   EXPECT_EQ(lost.health, Health::warn);
-  EXPECT_THAT(lost.message, HasSubstr("right sees nothing of what left sees where their fields of view overlap; "
-                                      "check the pose of both (since 00:00:0"));
+  EXPECT_THAT(lost.message,
+              HasSubstr("right sees nothing of what left sees where their fields of view overlap; "
+                        "check the pose of both (since 00:00:0"));
 }
 
 TEST(MountCheckOutput, WarnsOfAMountThatIsShifted) {

@@ -5,6 +5,7 @@
 
 #include <map>
 
+#include "daemon/health/pipeline_health.h"
 #include "daemon/pipeline/frame_tree.h"
 #include "daemon/pipeline/pipeline.h"
 #include "test/support/recording_sink.h"
@@ -53,7 +54,7 @@ virtual_scans:
     return sink.scans["bumper"].back();
   }
   std::string published() const {
-    for (const auto& item : pipeline.diagnostics(Stamp{2'000'000'000})) {
+    for (const auto& item : items_of(pipeline, Stamp{2'000'000'000})) {
       if (item.name == "merged around") return item.values.at(0).second;
     }
     return "no such item";

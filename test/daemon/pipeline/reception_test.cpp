@@ -7,6 +7,8 @@
 
 #include <functional>
 
+#include "daemon/health/reception_verdict.h"
+
 namespace lidard {
 namespace {
 

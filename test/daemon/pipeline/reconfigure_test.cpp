@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "daemon/config/workers.h"
+#include "daemon/health/pipeline_health.h"
 #include "daemon/pipeline/pipeline.h"
 #include "drivers/capture/pcap_source.h"
 #include "test/support/captures.h"
@@ -111,7 +112,7 @@ TEST(PipelineReconfigure, WhatChangesBeginsAnewAndTheRestGoesOn) {
   for (const char* topic : {"front_left/scan", "roof/points"}) expect_same(calm.sink, changed.sink, topic);
   EXPECT_EQ(changed.sink.scans["bumper"].front().beams, 720U);
   EXPECT_EQ(changed.sink.scans["bumper"].back().beams, 360U);
-  const auto reports = changed.pipeline.report();
+  const auto reports = changed.pipeline.status(changed.pipeline.now()).sensors;
   EXPECT_LT(reports[1].counters.frames, reports[0].counters.frames)
       << "the sensor that was moved counts anew";
 }
@@ -133,7 +134,7 @@ TEST(PipelineReconfigure, ASensorMayGoAndComeAtAnotherPlaceOfTheFile) {
   expect_same(calm.sink, changed.sink, "roof/points");
   EXPECT_LT(changed.sink.count("a/scan"), calm.sink.count("a/scan"));
   EXPECT_GT(changed.sink.count("a/scan"), 5U);
-  EXPECT_EQ(changed.pipeline.report().size(), 1U);
+  EXPECT_EQ(changed.pipeline.status(changed.pipeline.now()).sensors.size(), 1U);
   EXPECT_EQ(changed.pipeline.unclaimed_senders().size(), 2U) << "both scanners have no entry then";
 }
 
@@ -159,7 +160,7 @@ TEST(PipelineReconfigure, WhatIsNewHasASecondToDeliverAndTheRestHasNone) {
   const auto health = [&](int at) {
     std::string all;
     for (const auto& item :
-         played.pipeline.diagnostics(Stamp{1'000'000'000'000} + std::chrono::milliseconds(at)))
+         items_of(played.pipeline, Stamp{1'000'000'000'000} + std::chrono::milliseconds(at)))
       all += item.name + (item.health == Health::ok ? " ok, " : " bad, ");
     return all;
   };
@@ -192,7 +193,8 @@ TEST(TwoWorkers, GiveWhatOnePipelineGives) {
        {"front_left/scan", "front_right/scan", "scan_multi", "scan_strict", "scan_safety", "mixed"})
     expect_same(all.sink, planes.sink, topic);
   for (const char* topic : {"roof/points", "bumper", "chest"}) expect_same(all.sink, clouds.sink, topic);
-  EXPECT_EQ(planes.pipeline.report().size(), 2U) << "what is handed over is no lidar";
+  EXPECT_EQ(planes.pipeline.status(planes.pipeline.now()).sensors.size(), 2U)
+      << "what is handed over is no lidar";
   EXPECT_EQ(planes.pipeline.static_transforms().size(), all.pipeline.static_transforms().size());
 }
 

@@ -38,7 +38,8 @@ struct Vehicle {
   }
   std::vector<std::uint64_t> packets() const {
     std::vector<std::uint64_t> counts;
-    for (const SensorReport& report : pipeline->report()) counts.push_back(report.counters.packets);
+    for (const SensorStatus& report : pipeline->status(pipeline->now()).sensors)
+      counts.push_back(report.counters.packets);
     return counts;
   }
 
@@ -171,7 +172,7 @@ TEST(Routing, AChunkBelongsToTheDeviceItComesFrom) {
 TEST(Routing, UnknownSendersAreADiagnosticItemOfTheirOwn) {
   const Model model = line_model(Transport::udp, 2368);
   Vehicle vehicle({line_sensor(model, "a", host(10))});
-  const auto items = [&] { return vehicle.pipeline->diagnostics(bench_begin); };
+  const auto items = [&] { return items_of(*vehicle.pipeline, bench_begin); };
   EXPECT_THAT(items(), SizeIs(1));
   vehicle.datagram(20, 2368);
   ASSERT_THAT(items(), SizeIs(2));
@@ -194,7 +195,7 @@ TEST(Routing, ASilentSensorIsToldOfAnUnknownSenderToItsOwnPortAlone) {
   vehicle.pipeline->tick(bench_begin);
   vehicle.datagram(20, 2368);
   vehicle.pipeline->tick(bench_begin + std::chrono::seconds(1));
-  const auto items = vehicle.pipeline->diagnostics(bench_begin + std::chrono::seconds(1));
+  const auto items = items_of(*vehicle.pipeline, bench_begin + std::chrono::seconds(1));
   EXPECT_EQ(items[0].message,
             "nothing received from 10.0.0.10 to port 2368; but there are packets from 10.0.0.20 -> port 2368 "
             "(1 packets): correct ip_address?");

@@ -4,8 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "daemon/health/sensor_health.h"
 #include "daemon/pipeline/sensor.h"
-#include "daemon/pipeline/sensor_health.h"
 #include "drivers/registry/registry.h"
 #include "test/daemon/pipeline/line_driver.h"
 #include "test/support/pipeline_bench.h"
@@ -30,10 +30,12 @@ struct Sample {
     report.counters.frames = 1;
   }
   DiagnosticItem after(double passed_ms) const {
-    return sensor_health(config, report, unknown, bench_begin + ms(passed_ms));
+    SensorStatus status = report;
+    status.config = &config;
+    return sensor_health(status, unknown, bench_begin + ms(passed_ms));
   }
   SensorConfig config;
-  SensorReport report;
+  SensorStatus report;
   /// Datagrams that no sensor claims.
   void stray(const IpAddress& sender, std::uint16_t port, int packets) {
     Packet packet;
@@ -87,9 +89,9 @@ TEST(Silence, OfASourceThatSendsSeldomTakesLonger) {
 TEST(Silence, IsPublishedWhenItIsNoticedAndWhenItEnds) {
   test::PipelineBench bench("sensors: {a: {topic: /a}}");
   std::vector<std::pair<double, Health>> told;
-  bench.pipeline.add_diagnostics([&](std::vector<DiagnosticItem>& items) {
+  bench.add_items = [&](std::vector<DiagnosticItem>& items) {
     if (told.empty() || told.back().second != items[0].health) told.emplace_back(0, items[0].health);
-  });
+  };
   const auto pass = [&](double from, double to, bool scans) {
     for (double time = from; time < to; time += 100) {
       const std::size_t before = told.size();
@@ -128,8 +130,7 @@ TEST(Silence, FromTheStartIsAnErrorUnlessAllHasJustBegun) {
 TEST(Silence, OfAnEmptyCaptureIsNoTelemetry) {
   Sample sample;
   sample.report.seen = false;
-  EXPECT_THAT(sensor_health(sample.config, sample.report, sample.unknown, Stamp{}).message,
-              HasSubstr("nothing received"));
+  EXPECT_THAT(sensor_health(sample.report, sample.unknown, Stamp{}).message, HasSubstr("nothing received"));
 }
 
 TEST(Silence, NamesItsCauseAsFarAsItIsKnown) {

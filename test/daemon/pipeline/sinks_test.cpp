@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include "daemon/health/pipeline_health.h"
 #include "daemon/pipeline/frame_tree.h"
 #include "daemon/pipeline/output.h"
 #include "daemon/pipeline/pipeline.h"
@@ -52,12 +53,12 @@ TEST(Sinks, APipelineTellsOfEveryTopicWhatCameAndWhyNothingCame) {
     pipeline.scan_message(source, scan, begin);
   }
   pipeline.tick(begin + std::chrono::seconds(1));
-  const auto reports = pipeline.output_report();
+  const auto reports = output_reports(pipeline);
   ASSERT_EQ(reports.size(), 1U);
   EXPECT_EQ(reports[0].name, "both");
   EXPECT_GE(reports[0].messages, 1U);
   Pipeline silent(config, none, sink);
-  EXPECT_EQ(silent.output_report()[0].remark.find("no output: no input has come in yet; a: "), 0U);
+  EXPECT_EQ(output_reports(silent)[0].remark.find("no output: no input has come in yet; a: "), 0U);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "daemon/health/pipeline_health.h"
 #include "daemon/pipeline/frame_tree.h"
 #include "daemon/pipeline/pipeline.h"
 #include "test/sim/servers/velodyne_stream.h"
@@ -35,7 +36,7 @@ struct OneLidar {
   void receive(const SimulatedPacket& packet) {
     pipeline.packet({packet.view(), packet.arrival, {}, {{}, packet.port}});
   }
-  SensorReport report() const { return pipeline.report().front(); }
+  SensorStatus report() const { return pipeline.status(pipeline.now()).sensors.front(); }
 
   Config config;
   NoTransforms poses;
@@ -65,7 +66,7 @@ TEST(UnwantedCloud, IsNotMadeButCountedAndJudgedAsOneThatIs) {
     EXPECT_GE(heard.sink.clouds.size(), 20U);
     EXPECT_TRUE(unheard.sink.clouds.empty());
     EXPECT_EQ(unheard.sink.skipped["roof/points"].size(), heard.sink.clouds.size());
-    const SensorReport with = heard.report(), without = unheard.report();
+    const SensorStatus with = heard.report(), without = unheard.report();
     EXPECT_EQ(without.counters.frames, with.counters.frames);
     EXPECT_EQ(without.counters.lost_packets, with.counters.lost_packets);
     EXPECT_GT(without.counters.lost_packets, 10U);
@@ -73,8 +74,8 @@ TEST(UnwantedCloud, IsNotMadeButCountedAndJudgedAsOneThatIs) {
     EXPECT_NEAR(without.recent.expected, with.recent.expected, 0.01 * with.recent.expected);
     const auto share = [](const Reception& r) { return double(r.returns) / double(r.beams); };
     EXPECT_NEAR(share(without.recent), share(with.recent), 0.03);
-    EXPECT_EQ(unheard.pipeline.output_report()[0].messages, heard.pipeline.output_report()[0].messages);
-    EXPECT_EQ(unheard.pipeline.output_report()[0].rate(), heard.pipeline.output_report()[0].rate());
+    EXPECT_EQ(output_reports(unheard.pipeline)[0].messages, output_reports(heard.pipeline)[0].messages);
+    EXPECT_EQ(output_reports(unheard.pipeline)[0].rate(), output_reports(heard.pipeline)[0].rate());
   }
 }
 

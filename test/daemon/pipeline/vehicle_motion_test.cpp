@@ -7,6 +7,7 @@
 
 #include <random>
 
+#include "daemon/health/output_health.h"
 #include "test/support/pipeline_bench.h"
 
 namespace lidard {
@@ -31,7 +32,7 @@ struct Watched {
   }
   /// What is wrong; empty: nothing.
   std::string after(double passed) const {
-    const DiagnosticItem item = motion.diagnostics(bench_begin + ms(passed)).value();
+    const DiagnosticItem item = motion_health(motion.status(bench_begin + ms(passed)).value());
     EXPECT_EQ(item.health, item.message == "poses come in" ? Health::ok : Health::warn);
     return item.health == Health::ok ? "" : item.message;
   }
@@ -76,7 +77,7 @@ TEST(VehicleMotion, APoseThatIsToldTwiceIsNoNewOne) {
 TEST(VehicleMotion, ShowsItsCountersAndTheLag) {
   Watched watched(1000, 1250);
   watched.tell_pose(1010, 0);
-  DiagnosticItem item = watched.motion.diagnostics(bench_begin).value();
+  DiagnosticItem item = motion_health(watched.motion.status(bench_begin).value());
   EXPECT_EQ(item.name, "motion");
   EXPECT_EQ(item.health, Health::ok);
   EXPECT_EQ(item.message, "poses come in");
@@ -85,7 +86,7 @@ TEST(VehicleMotion, ShowsItsCountersAndTheLag) {
   EXPECT_NEAR(std::stod(test::value_of(item, "Scans ahead of poses (s)")), 0.24, 1e-6);
   Watched placeless;
   for (const double at : {0, 10, 20}) placeless.tell_pose(at, at, "gnss");
-  item = placeless.motion.diagnostics(bench_begin).value();
+  item = motion_health(placeless.motion.status(bench_begin).value());
   EXPECT_EQ(item.health, Health::warn);
   EXPECT_EQ(item.message,
             "no pose of the vehicle yet, so scans are not deskewed; see that odometry is published: no tf "
@@ -181,14 +182,14 @@ TEST(MotionOfAnImu, WithASpeedThatComesSeldomIsMotionUntilThreeOfItsPeriodsPass)
       if (period > 0 && at % period == 0) watched.motion.add_speed(speed, now);
       watched.motion.add_turn(now, {0, 0, 0}, "", now);
     }
-    return test::value_of(watched.motion.diagnostics(bench_begin + ms(to)).value(), "Knots");
+    return test::value_of(motion_health(watched.motion.status(bench_begin + ms(to)).value()), "Knots");
   };
   EXPECT_EQ(run(0, 800, 800, 5), "51") << "of one speed no period is known";
   EXPECT_EQ(run(800, 4000, 800, 5), "371");
   EXPECT_EQ(run(4000, 8000, 0, 5), "532") << "2.4 s after the speed of 3.2 s";
   EXPECT_EQ(run(8000, 9000, 10, std::nan("")), "532") << "NaN is no speed";
   run(10'000, 30'000, 5000, 5);
-  EXPECT_EQ(watched.motion.diagnostics(bench_begin + ms(30'000)).value().message,
+  EXPECT_EQ(motion_health(watched.motion.status(bench_begin + ms(30'000)).value()).message,
             "no pose of the vehicle any more: no speed comes on ")
       << "a speed of 3 s ago is too old, whatever its period";
 }
@@ -196,7 +197,7 @@ TEST(MotionOfAnImu, WithASpeedThatComesSeldomIsMotionUntilThreeOfItsPeriodsPass)
 TEST(MotionOfAnImu, SaysNoReasonAnyMoreThatHasGone) {
   Watched watched;
   const auto message = [&](int at) {
-    return watched.motion.diagnostics(bench_begin + ms(at)).value().message;
+    return motion_health(watched.motion.status(bench_begin + ms(at)).value()).message;
   };
   watched.motion.add_turn(bench_begin, {0, 0, 0}, "", bench_begin);
   EXPECT_THAT(message(0), testing::EndsWith(": no speed comes on "));

@@ -8,6 +8,7 @@
 #include <map>
 #include <tuple>
 
+#include "daemon/health/pipeline_health.h"
 #include "daemon/pipeline/frame_tree.h"
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/ros/messages/convert.h"
@@ -192,18 +193,17 @@ TEST(VelodyneSurface, ASensorThatOnlySendsTelemetryIsNotReceiving) {
   for (const auto& packet : packets)
     pipeline.packet({packet.view(), packet.arrival, sensor, {{}, packet.port}});
   const Stamp alive = packets.back().arrival;
-  EXPECT_EQ(pipeline.diagnostics(alive).at(0).health, Health::ok)
-      << pipeline.diagnostics(alive).at(0).message;
+  EXPECT_EQ(items_of(pipeline, alive).at(0).health, Health::ok) << items_of(pipeline, alive).at(0).message;
   const std::vector<std::uint8_t> position(512);
   Stamp now = alive;
   for (int i = 0; i < 40; ++i) {
     now = now + std::chrono::milliseconds(100);
     pipeline.packet({{position.data(), position.size()}, now, sensor, {{}, 8308}});
   }
-  const DiagnosticItem item = pipeline.diagnostics(now).at(0);
+  const DiagnosticItem item = items_of(pipeline, now).at(0);
   EXPECT_EQ(item.health, Health::error);
   EXPECT_THAT(item.message, HasSubstr("no data, only telemetry on port 8308"));
-  EXPECT_EQ(pipeline.report().at(0).last_arrival, alive);
+  EXPECT_EQ(pipeline.status(pipeline.now()).sensors.at(0).last_arrival, alive);
 }
 
 TEST(VelodyneSurface, TelemetryMayComeToAnotherPort) {
@@ -213,9 +213,9 @@ TEST(VelodyneSurface, TelemetryMayComeToAnotherPort) {
   Pipeline pipeline(config, poses, sink);
   const std::vector<std::uint8_t> position(512);
   pipeline.packet({{position.data(), position.size()}, Stamp{1}, sensor, {{}, 8309}});
-  EXPECT_EQ(pipeline.report().at(0).counters.other_packets, 1U);
+  EXPECT_EQ(pipeline.status(pipeline.now()).sensors.at(0).counters.other_packets, 1U);
   pipeline.packet({{position.data(), position.size()}, Stamp{2}, sensor, {{}, 8308}});
-  EXPECT_EQ(pipeline.report().at(0).counters.other_packets, 1U);
+  EXPECT_EQ(pipeline.status(pipeline.now()).sensors.at(0).counters.other_packets, 1U);
   EXPECT_EQ(pipeline.unclaimed_senders().size(), 1U);
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "daemon/health/pipeline_health.h"
 #include "daemon/pipeline/pipeline.h"
 #include "test/daemon/pipeline/no_tf.h"
 #include "test/sim/world/units.h"
@@ -57,6 +58,7 @@ struct Vehicle {
   test::RecordingSink sink;
   Config config;
   Pipeline pipeline;
+  HealthReporter reporter{pipeline, sink};
 };
 
 TEST(VirtualMotion, ScansAreOfTheInstantOfTheirStampAndMissingPosesAreTold) {

@@ -164,7 +164,7 @@ TEST(VirtualOutput, NeedsTheLidarsPlaceOnTheVehicleOnlyForWhatIsKnownOfTheVehicl
 TEST(VirtualOutput, CountsCloudsAndFramesWithoutAPlaceAndNamesThem) {
   PipelineBench bench(levels("low, nowhere"));
   const Stamp now = bench_begin + ms(100);
-  EXPECT_THAT(bench.pipeline.why_missing("low"),
+  EXPECT_THAT(why_missing(bench.pipeline, "low"),
               ::testing::StartsWith("no output: no input has come in yet; roof: "));
   bench.give("roof", posts(bench_begin, ring_of_posts(5, 0)), now);
   EXPECT_EQ(bench.value("virtual v", "Inputs without pose", now), "1");
@@ -188,7 +188,7 @@ TEST(VirtualOutput, OfACloudWhoseOwnPlaceIsNotKnownNothingComesAndEveryFrameSays
   bench.give("roof", posts(bench_begin, ring_of_posts(5, 0)), now);
   EXPECT_EQ(bench.sink.count("low") + bench.sink.count("high"), 0U);
   for (const char* frame : {"low", "high"})
-    EXPECT_EQ(bench.pipeline.why_missing(frame), "no output: no tf from roof to base_link");
+    EXPECT_EQ(why_missing(bench.pipeline, frame), "no output: no tf from roof to base_link");
   bench.pipeline.tick(now);
   bench.pipeline.tick(now + ms(1000));
   EXPECT_EQ(bench.item("virtual v", now + ms(1000)).health, Health::error);

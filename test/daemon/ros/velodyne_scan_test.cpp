@@ -205,7 +205,8 @@ TEST(VelodyneScanTopic, GivesTheCloudsThatThePacketsGiveByUdp) {
     });
     master.start();
     Listening here;
-    EXPECT_TRUE(here.run_until([&] { return here.pipeline.report()[0].counters.packets == all.size(); }));
+    EXPECT_TRUE(here.run_until(
+        [&] { return here.pipeline.status(here.pipeline.now()).sensors[0].counters.packets == all.size(); }));
     here.pipeline.finish(all.back().arrival);
 
     const Config config = parse_config("sensors: {roof: {model: velodyne_vlp16}}", "f");
@@ -244,7 +245,8 @@ TEST(VelodyneScanTopic, CountsMessagesThatAreCutOffAndGoesOn) {
     master.start();
     Listening here;
     EXPECT_TRUE(here.run_until([&] {
-      return here.inputs->report().at(0).rejected >= 3 && here.pipeline.report()[0].counters.packets >= 15;
+      return here.inputs->report().at(0).rejected >= 3 &&
+             here.pipeline.status(here.pipeline.now()).sensors[0].counters.packets >= 15;
     }));
     EXPECT_EQ(here.inputs->report().at(0).last_reason, "the message is shorter than its own counts say");
     EXPECT_EQ(here.inputs->diagnostics().at(0).health, Health::warn);

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "daemon/pipeline/sink.h"
+#include "daemon/health/diagnostics.h"
 
 namespace lidard {
 

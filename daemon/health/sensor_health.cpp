@@ -1,13 +1,15 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/pipeline/sensor_health.h"
+#include "daemon/health/sensor_health.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cctype>
 
-#include "daemon/pipeline/report.h"
+#include "daemon/health/output_health.h"
+#include "daemon/health/reception_verdict.h"
+#include "daemon/health/report.h"
 #include "daemon/pipeline/sensor.h"
 
 namespace lidard {
@@ -24,14 +26,14 @@ std::string window_text(const Reception& recent) {
 }
 
 /// All warnings of the device.
-std::string warnings_of(const SensorReport& report) {
+std::string warnings_of(const SensorStatus& report) {
   std::string text;
   for (const std::string& warning : report.info.warnings) text += (text.empty() ? "" : ". ") + warning;
   return text;
 }
 
-std::string why_nothing(const SensorConfig& config, const SensorReport& report, const UnknownSenders& unknown,
-                        Stamp now) {
+std::string why_nothing(const SensorStatus& report, const UnknownSenders& unknown, Stamp now) {
+  const SensorConfig& config = *report.config;
   if (config.model == nullptr || !config.packet_topic.empty()) return "; is its driver running?";
   // Packets from another address show that the network works.
   const bool datagrams = config.model->transport == Transport::udp;
@@ -50,13 +52,14 @@ std::string why_nothing(const SensorConfig& config, const SensorReport& report, 
 }
 
 /// True in the first second after the start.
-bool may_still_come(const SensorReport& report) {
+bool may_still_come(const SensorStatus& report) {
   return report.starting && (report.link_trouble.empty() || report.link_trouble == first_attempt);
 }
 
 /// Judges missing data.
-void judge_silence(const SensorConfig& config, const SensorReport& report, const UnknownSenders& unknown,
-                   Stamp now, DiagnosticItem& item) {
+void judge_silence(const SensorStatus& report, const UnknownSenders& unknown, Stamp now,
+                   DiagnosticItem& item) {
+  const SensorConfig& config = *report.config;
   if (may_still_come(report)) {
     item.message = "waiting for data from " + where_from(config);
   } else if (report.last_telemetry && seconds(now - *report.last_telemetry) < telemetry_silent_s) {
@@ -65,19 +68,30 @@ void judge_silence(const SensorConfig& config, const SensorReport& report, const
                                 std::to_string(config.ip_port));
   } else if (!report.seen) {
     item.set(Health::error,
-             "nothing received from " + where_from(config) + why_nothing(config, report, unknown, now));
+             "nothing received from " + where_from(config) + why_nothing(report, unknown, now));
   } else {
-    item.set(
-        silence_of(report.last_arrival, report.recent.period_s, now),
-        "silent: nothing received from " + where_from(config) + why_nothing(config, report, unknown, now));
+    item.set(silence_of(report.last_arrival, report.recent.period_s, now) == SilenceLevel::lasting
+                 ? Health::error
+                 : Health::warn,
+             "silent: nothing received from " + where_from(config) + why_nothing(report, unknown, now));
   }
 }
 
 /// True if at least 99 % of the packets were rejected.
 bool is_all_refused(const Counters& c) { return c.packets > 0 && c.rejected_total() * 100 >= c.packets * 99; }
 
+/// "this is a VLP-32C, not a VLP-16; set model: velodyne_vlp32c". Products with equal packets are named
+/// together.
+std::string other_model_text(const Model& expected, const std::vector<const Model*>& found) {
+  std::string names;
+  for (const Model* model : found) names += (names.empty() ? "" : " or ") + std::string(model->product);
+  return "this is a " + names + ", not a " + std::string(expected.product) +
+         "; set model: " + std::string(found.front()->name);
+}
+
 /// Judges the amount of data.
-void judge_data(const SensorConfig& config, const SensorReport& report, DiagnosticItem& item) {
+void judge_data(const SensorStatus& report, DiagnosticItem& item) {
+  const SensorConfig& config = *report.config;
   const Counters& c = report.counters;
   const FrameKind kind = config.model != nullptr ? config.model->kind : FrameKind::scan;
   const ReceptionVerdict verdict = lidard::judge(report.recent, kind);
@@ -85,15 +99,17 @@ void judge_data(const SensorConfig& config, const SensorReport& report, Diagnost
       report.info.has_fault ? Health::error : Health::warn;  // what the device's warnings mean
   if (std::string rivals = rivals_text(report.recent, config.ip_port); !rivals.empty()) {
     item.set(Health::error, std::move(rivals));
-  } else if (!report.two_devices.empty()) {
-    item.set(Health::error, report.two_devices);
-  } else if (!report.other_model.empty() && is_all_refused(report.recent.counters)) {
-    item.set(Health::error, report.other_model);
+  } else if (!report.rivals.empty()) {
+    const bool are_serials = config.model->transport == Transport::tcp;
+    item.set(Health::error, two_devices_text(report.address.to_string(),
+                                             (are_serials ? "serial numbers " : "") + report.rivals));
+  } else if (!report.other_models.empty() && is_all_refused(report.recent.counters)) {
+    item.set(Health::error, other_model_text(*config.model, report.other_models));
   } else if (c.packets > 0 && c.rejected_total() == c.packets) {
     item.set(Health::error,
              "no packet could be used: rejected " + rejected_text(c) + "; is it the configured model?");
-  } else if (!report.clock_trouble.empty() && verdict.health != Health::error) {
-    item.set(Health::warn, report.clock_trouble);
+  } else if (report.clock_ahead && verdict.health != Health::error) {
+    item.set(Health::warn, clock_trouble(where_from(config), *report.clock_ahead, true));
   } else if (verdict.health != Health::ok) {
     item.set(verdict.health,
              verdict.figures + " in the last " + window_text(report.recent) + "; " + verdict.remedy);
@@ -101,8 +117,8 @@ void judge_data(const SensorConfig& config, const SensorReport& report, Diagnost
     item.health = std::max(item.health, says);
   } else if (!report.info.warnings.empty()) {
     item.set(says, warnings_of(report));
-  } else if (!report.filter_trouble.empty()) {
-    item.set(Health::warn, report.filter_trouble);
+  } else if (std::string filter = filter_trouble(report.filters); !filter.empty()) {
+    item.set(Health::warn, std::move(filter));
   } else if (config.model != nullptr && c.frames == 0) {
     item.message = why_no_frame(*config.model, c, span_from_seconds(report.whole.watched_s));
   } else {
@@ -110,12 +126,11 @@ void judge_data(const SensorConfig& config, const SensorReport& report, Diagnost
   }
 }
 
-void judge(const SensorConfig& config, const SensorReport& report, const UnknownSenders& unknown, Stamp now,
-           DiagnosticItem& item) {
-  if (!report.seen || silence_of(report.last_arrival, report.recent.period_s, now) != Health::ok)
-    judge_silence(config, report, unknown, now, item);
+void judge(const SensorStatus& report, const UnknownSenders& unknown, Stamp now, DiagnosticItem& item) {
+  if (!report.seen || silence_of(report.last_arrival, report.recent.period_s, now) != SilenceLevel::none)
+    judge_silence(report, unknown, now, item);
   else
-    judge_data(config, report, item);
+    judge_data(report, item);
 }
 
 void add_rates(const Reception& recent, DiagnosticItem& item) {
@@ -130,20 +145,7 @@ void add_rates(const Reception& recent, DiagnosticItem& item) {
            rate(100.0 * static_cast<double>(recent.returns), static_cast<double>(recent.beams)));
 }
 
-/// The newest senders, against forged ones.
-constexpr std::size_t most_names = 32;
-
-std::string name_of(const Flow& flow, std::uint64_t packets) {
-  return flow.to_string() + " (" + std::to_string(packets) + " packets)";
-}
-
 }  // namespace
-
-Health silence_of(Stamp last_arrival, double period_s, Stamp now) {
-  const SilenceLimits limits(period_s);
-  const double age = seconds(now - last_arrival);
-  return age > limits.error_s ? Health::error : age > limits.warn_s ? Health::warn : Health::ok;
-}
 
 std::string where_from(const SensorConfig& config) {
   if (config.model == nullptr) return "topic " + config.topic;
@@ -154,10 +156,10 @@ std::string where_from(const SensorConfig& config) {
          std::to_string(config.ip_port);
 }
 
-DiagnosticItem sensor_health(const SensorConfig& config, const SensorReport& report,
-                             const UnknownSenders& unknown, Stamp now) {
+DiagnosticItem sensor_health(const SensorStatus& report, const UnknownSenders& unknown, Stamp now) {
+  const SensorConfig& config = *report.config;
   DiagnosticItem item{"sensor " + report.name, report.info.serial.empty() ? report.name : report.info.serial};
-  judge(config, report, unknown, now, item);
+  judge(report, unknown, now, item);
   item.awaited = !report.seen;
   item.is_up = report.seen && seconds(now - report.last_arrival) < 1;
   if (config.ip_address) item.add("IP Address", config.ip_address->to_string());
@@ -174,16 +176,19 @@ DiagnosticItem sensor_health(const SensorConfig& config, const SensorReport& rep
   if (!config.topic.empty() || !config.packet_topic.empty())
     item.add("Stamps replaced", report.stamps_replaced);
   for (const auto& counter : trouble_counters) count(counter);
-  if (report.filter) item.add("Filter", filter_text(*report.filter));
-  if (report.gate) report.gate->describe(item);
+  if (!report.filters.empty()) item.add("Filter", filter_text(report.filters.front().counters));
+  if (report.gate) add_pose_gate(*report.gate, config.points_frame, item);
   add_rates(report.recent, item);
   return item;
 }
 
-DiagnosticItem settings_item(const SensorConfig& config, const SettingsStatus& status) {
+std::string two_devices_text(const std::string& address, const std::string& who) {
+  return "two devices have the address " + address + " (" + who + "); give one of them another IP address";
+}
+
+DiagnosticItem settings_item(const std::string& sensor, const SettingsStatus& status) {
   using Level = SettingsStatus::Level;
-  DiagnosticItem item{"sensor " + config.name + " control",
-                      status.serial.empty() ? config.name : status.serial};
+  DiagnosticItem item{"sensor " + sensor + " control", status.serial.empty() ? sensor : status.serial};
   item.health = status.level == Level::ok     ? Health::ok
                 : status.level == Level::warn ? Health::warn
                                               : Health::error;
@@ -201,33 +206,6 @@ DiagnosticItem unknown_senders_item(const std::vector<std::string>& senders) {
                " to the configuration, or correct an ip_address");
   for (std::size_t i = 0; i < senders.size(); ++i) item.add("Sender " + std::to_string(i + 1), senders[i]);
   return item;
-}
-
-void UnknownSenders::note(const Packet& packet) {
-  const Flow flow = flow_of(packet);
-  if (senders_.size() == most_names && senders_.count(flow) == 0)
-    senders_.erase(std::min_element(senders_.begin(), senders_.end(), [](const auto& a, const auto& b) {
-      return a.second.last < b.second.last;
-    }));
-  Sender& sender = senders_[flow];
-  sender.packets += packet.stands_for;
-  sender.last = packet.arrival;
-}
-
-std::vector<std::string> UnknownSenders::names(Stamp since) const {
-  std::vector<std::string> names;
-  for (const auto& [flow, sender] : senders_) {
-    if (sender.last >= since) names.push_back(name_of(flow, sender.packets));
-  }
-  return names;
-}
-
-std::string UnknownSenders::sender_to(std::uint16_t port, Stamp since) const {
-  for (const auto& [flow, sender] : senders_) {
-    if (flow.transport == Transport::udp && flow.port == port && sender.last >= since)
-      return name_of(flow, sender.packets);
-  }
-  return {};
 }
 
 }  // namespace lidard

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
 // What /diagnostics and the table of a replay say of sensors that give less than they should.
-#include "daemon/pipeline/sensor_health.h"
+#include "daemon/health/sensor_health.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,8 +9,8 @@
 #include <random>
 #include <sstream>
 
+#include "daemon/health/report.h"
 #include "daemon/pipeline/pipeline.h"
-#include "daemon/pipeline/report.h"
 #include "test/drivers/sick/safety/ms3_encoder.h"
 #include "test/support/pipeline_bench.h"
 #include "test/support/recording_sink.h"
@@ -46,7 +46,7 @@ struct Room {
     const Health health = item().health;
     worst = std::max(worst, health);
   }
-  DiagnosticItem item() const { return pipeline.diagnostics(now).at(0); }
+  DiagnosticItem item() const { return items_of(pipeline, now).at(0); }
   std::string value(const std::string& key) const {
     for (const auto& [name, text] : item().values) {
       if (name == key) return text;
@@ -55,8 +55,8 @@ struct Room {
   }
   std::string table() const {
     std::ostringstream out;
-    print_table(pipeline.report(), out);
-    print_verdicts(config, pipeline.report(), out);
+    print_table(pipeline.status(pipeline.now()).sensors, out);
+    print_verdicts(pipeline.status(pipeline.now()).sensors, out);
     return out.str();
   }
 
@@ -98,7 +98,7 @@ TEST(SensorHealth, ASafetyScannerThatReportsTroubleIsNotOkThoughItsScansCome) {
         pipeline.packet({{bytes.data(), bytes.size()}, now, {first, 6060}, {{}, 6060}});
       pipeline.tick(now);
     }
-    return pipeline.diagnostics(now).at(0);
+    return items_of(pipeline, now).at(0);
   };
   for (int incident = 0; incident < 2; ++incident) {
     EXPECT_EQ(level_with(1).health, Health::ok);
@@ -247,7 +247,7 @@ TEST(SettingsItem, TellsHowTheSettingsStand) {
   SettingsStatus status;
   status.message = "answering";
   status.details = {{"Set rpm", "600"}};
-  DiagnosticItem item = settings_item(config, status);
+  DiagnosticItem item = settings_item(config.name, status);
   EXPECT_EQ(item.name, "sensor roof control");
   EXPECT_EQ(item.hardware_id, "roof");
   EXPECT_EQ(item.health, Health::ok);
@@ -255,11 +255,11 @@ TEST(SettingsItem, TellsHowTheSettingsStand) {
   EXPECT_EQ(item.values, status.details);
   status.serial = "AG1";
   status.level = SettingsStatus::Level::warn;
-  item = settings_item(config, status);
+  item = settings_item(config.name, status);
   EXPECT_EQ(item.hardware_id, "AG1");
   EXPECT_EQ(item.health, Health::warn);
   status.level = SettingsStatus::Level::error;
-  EXPECT_EQ(settings_item(config, status).health, Health::error);
+  EXPECT_EQ(settings_item(config.name, status).health, Health::error);
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/live/journal.h"
+#include "daemon/health/journal.h"
 
 #include <gtest/gtest.h>
 

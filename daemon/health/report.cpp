@@ -1,14 +1,16 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/pipeline/report.h"
+#include "daemon/health/report.h"
 
 #include <fmt/format.h>
-#include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
 #include <array>
 #include <cstring>
 #include <ostream>
+
+#include "daemon/health/output_health.h"
+#include "daemon/health/reception_verdict.h"
 
 namespace lidard {
 namespace {
@@ -69,25 +71,26 @@ std::string filter_text(const FilterCounters& counters) {
                      reasons.empty() ? "" : reasons + ")");
 }
 
-std::string PoseGate::losses() const {
-  std::string text;
-  for (const auto& [count, what] : {std::pair(left_out_, "not published"), {not_deskewed_, "not deskewed"}}) {
-    if (count > 0)
-      text +=
-          fmt::format("{}{} {} {}", text.empty() ? "" : ", ", count, count == 1 ? "cloud" : "clouds", what);
-  }
-  return text.empty() || trouble_.empty() ? text : text + "; " + trouble_;
-}
+namespace {
 
-std::string filter_trouble(const FilterCounters& counters, const std::string& topic) {
+std::string filter_trouble(const FilterStatus& filter) {
   constexpr std::uint64_t many_frames = 10;
-  if (counters.emptied_in_a_row >= many_frames)
+  if (filter.counters.emptied_in_a_row >= many_frames)
     return fmt::format(
         "its filter removed every return of the last {} frames on {}; correct the limits below `filter`",
-        counters.emptied_in_a_row, topic);
-  if (counters.has_no_intensities)
+        filter.counters.emptied_in_a_row, filter.topic);
+  if (filter.counters.has_no_intensities)
     return "its filter has limits of intensity, but the device sends scans without intensities; switch them "
            "on in the device, or take the limits out";
+  return {};
+}
+
+}  // namespace
+
+std::string filter_trouble(const std::vector<FilterStatus>& filters) {
+  for (const FilterStatus& filter : filters) {
+    if (std::string trouble = filter_trouble(filter); !trouble.empty()) return trouble;
+  }
   return {};
 }
 
@@ -98,7 +101,7 @@ void print_capture_counters(const CaptureCounters& c, std::uint64_t other_datagr
   line.add(tcp_losses, c.tcp);
 }
 
-void print_table(const std::vector<SensorReport>& sensors, std::ostream& out) {
+void print_table(const std::vector<SensorStatus>& sensors, std::ostream& out) {
   std::size_t name_width = 6;
   std::size_t model_width = 5;
   for (const auto& s : sensors) {
@@ -122,36 +125,23 @@ void print_table(const std::vector<SensorReport>& sensors, std::ostream& out) {
   }
 }
 
-void print_verdicts(const Config& config, const std::vector<SensorReport>& sensors, std::ostream& out) {
+void print_verdicts(const std::vector<SensorStatus>& sensors, std::ostream& out) {
   for (const auto& s : sensors) {
-    const SensorConfig* sensor = config.find_sensor(s.name);
-    if (sensor == nullptr) continue;
+    const SensorConfig& sensor = *s.config;
     const ReceptionVerdict verdict =
-        judge(s.whole, sensor->model != nullptr ? sensor->model->kind : FrameKind::scan);
+        judge(s.whole, sensor.model != nullptr ? sensor.model->kind : FrameKind::scan);
     const auto print = [&](Health health, const std::string& text) {
-      out << "  " << (health == Health::error ? "ERROR " : "WARN ") << s.name << ": " << text << '\n';
+      if (!text.empty())
+        out << "  " << (health == Health::error ? "ERROR " : "WARN ") << s.name << ": " << text << '\n';
     };
-    if (const std::string rivals = rivals_text(s.whole, sensor->ip_port); !rivals.empty())
-      print(Health::error, rivals);
-    if (s.filter) out << "  " << s.name << ": " << filter_text(*s.filter) << '\n';
-    if (!s.filter_trouble.empty()) print(Health::warn, s.filter_trouble);
-    if (const auto losses = s.gate ? s.gate->losses() : std::string(); !losses.empty())
-      print(Health::warn, losses);
+    print(Health::error, rivals_text(s.whole, sensor.ip_port));
+    if (!s.filters.empty()) out << "  " << s.name << ": " << filter_text(s.filters.front().counters) << '\n';
+    print(Health::warn, filter_trouble(s.filters));
+    if (s.gate) print(Health::warn, pose_losses(*s.gate, sensor.points_frame));
     if (verdict.health != Health::ok)
       print(verdict.health,
             fmt::format("{} in {:.1f} s; {}", verdict.figures, s.whole.watched_s, verdict.remedy));
   }
-}
-
-void OutputReport::count(Stamp released) {
-  if (messages == 0) first = released;
-  last = released;
-  ++messages;
-}
-
-double OutputReport::rate() const {
-  const double span = seconds(last - first);
-  return messages < 2 || span <= 0 ? 0 : static_cast<double>(messages - 1) / span;
 }
 
 std::string why_no_frame(const Model& model, const Counters& counters, Span span) {

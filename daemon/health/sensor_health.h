@@ -1,0 +1,28 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "daemon/health/diagnostics.h"
+#include "daemon/pipeline/status.h"
+
+namespace lidard {
+
+/// A sensor's item on /diagnostics: the amount of data and, if it is too small, the probable cause.
+DiagnosticItem sensor_health(const SensorStatus& report, const UnknownSenders& unknown, Stamp now);
+
+/// "sensor NAME control": the driver's status of the device's settings.
+DiagnosticItem settings_item(const std::string& sensor, const SettingsStatus& status);
+
+/// The item on senders to configured ports that belong to no sensor; at least one.
+DiagnosticItem unknown_senders_item(const std::vector<std::string>& senders);
+
+/// The sentence on two devices with one address; `who`: what shows it.
+std::string two_devices_text(const std::string& address, const std::string& who);
+
+/// The configured source of a sensor's data: "192.168.1.201 to port 2368", "topic /rear/scan".
+std::string where_from(const SensorConfig& config);
+
+}  // namespace lidard
