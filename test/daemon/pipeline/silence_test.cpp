@@ -130,6 +130,7 @@ TEST(Silence, FromTheStartIsAnErrorUnlessAllHasJustBegun) {
 TEST(Silence, OfAnEmptyCaptureIsNoTelemetry) {
   Sample sample;
   sample.report.seen = false;
+  sample.report.config = &sample.config;
   EXPECT_THAT(sensor_health(sample.report, sample.unknown, Stamp{}).message, HasSubstr("nothing received"));
 }
 
