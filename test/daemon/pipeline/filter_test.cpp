@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "daemon/health/pipeline_health.h"
 #include "daemon/pipeline/pipeline.h"
 #include "test/daemon/config/config_support.h"
 #include "test/sim/servers/velodyne_stream.h"
@@ -39,6 +40,7 @@ test::RecordingSink play(const std::string& keys) {
   NoTransforms poses;
   test::RecordingSink sink;
   Pipeline pipeline(config, poses, sink);
+  const HealthReporter reporter(pipeline, sink);
   Stamp now = packets.front().arrival;
   for (const auto& packet : packets) {
     pipeline.packet({packet.view(), packet.arrival, sender, {{}, packet.port}});
