@@ -140,7 +140,7 @@ int into_ros(const ReplayOptions& options, const Config& config, MergedCapture& 
   if (!options.bags.empty()) recorded.emplace(motion_of(options), config.vehicle);
   Replay replay(options, config, capture, session.sink(),
                 recorded ? static_cast<TransformSource&>(*recorded) : session.poses());
-  session.feed(config, [&](Worker, auto task) {
+  session.feed(config, [&](const std::string&, auto task) {
     boost::asio::post(messages,
                       [&replay, task = std::move(task)] { task(replay.pipeline, replay.player.now()); });
   });
@@ -159,7 +159,7 @@ int into_ros(const ReplayOptions& options, const Config& config, MergedCapture& 
   stop_on_signals();
   wait_for_subscribers(options.wait);
   const auto clock = [&](Stamp now) {
-    if (ros.clock) session.sink().publish_clock(now);
+    if (ros.clock) session.publisher().publish_clock(now);
     if (recorded) recorded->feed(replay.pipeline, now);
   };
   const bool complete = replay.play(clock, out, err);

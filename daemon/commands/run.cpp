@@ -13,8 +13,8 @@
 #include "daemon/commands/commands.h"
 #include "daemon/commands/last_good.h"
 #include "daemon/commands/status.h"
-#include "daemon/config/workers.h"
 #include "daemon/health/journal.h"
+#include "daemon/live/cloud_worker.h"
 #include "daemon/live/process_memory.h"
 #include "daemon/live/runtime_socket.h"
 #include "daemon/live/sensor_loop.h"
@@ -22,8 +22,6 @@
 #include "daemon/live/thread_priority.h"
 #include "daemon/pipeline/log.h"
 #include "daemon/ros/master/environment.h"
-#include "daemon/ros/master/thread_watch.h"
-#include "daemon/ros/master/wait_until.h"
 #include "daemon/ros/session.h"
 
 namespace lidard {
@@ -43,28 +41,22 @@ void log_event(const Event& event) {
   log_line(level, event.source + ": " + event.text);
 }
 
-/// The configuration with its work divided.
-std::shared_ptr<const Config> divided(Config config) {
-  assign_workers(config);
-  return std::make_shared<const Config>(std::move(config));
-}
-
-/// A running daemon. The constructor's thread is the sensor thread, which does the daemon's own tasks too;
-/// the worker for clouds has another thread, if it is needed.
+/// A running daemon. The constructor's thread is the sensor thread, which does the daemon's own tasks too.
 class Daemon {
  public:
   /// `trouble`: why `config` is not the content of the file; empty: it is.
   Daemon(const Config& config, const RosOptions& how, std::string trouble)
-      : config_(divided(config)),
+      : division_(std::make_shared<const Division>(config)),
         last_good_(config.file),
         trouble_(std::move(trouble)),
-        ros_(*config_, with_clock(how)),
+        ros_(config, with_clock(how)),
         box_(config.black_box,
              [](bool good, const std::string& sentence) {
                log_line(good ? LogLevel::info : LogLevel::error, "black box: " + sentence);
              }),
-        sensors_(*config_, clock_, box_, ros_.poses(), ros_.sink()),
-        clouds_(*config_, clock_, box_, ros_.poses(), ros_.sink(), Worker::clouds),
+        cloud_sink_(ros_.add_sink()),
+        sensors_(division_->planes, clock_, box_, ros_.poses(), ros_.sink()),
+        clouds_(division_->clouds, clock_, box_, ros_.poses(), cloud_sink_, sensors_),
         signals_(sensors_.io(), SIGINT, SIGTERM),
         requests_(sensors_.io(), SIGHUP, SIGUSR1),
         socket_(sensors_.io(),
@@ -74,19 +66,20 @@ class Daemon {
                  {"dump", [this](const auto& reply) {
                     box_.dump([reply](const std::string& said) { reply(said + "\n"); });
                   }}}) {
-    ros_.feed(*config_, [this](Worker worker, auto task) {
-      SensorLoop& loop = worker == Worker::clouds ? clouds_ : sensors_;
-      loop.post([&loop, task = std::move(task)](Stamp received) { task(loop.pipeline(), received); });
+    ros_.sink().set_topics(output_topics(division_->planes));
+    cloud_sink_.set_topics(output_topics(division_->clouds));
+    ros_.feed(config, [this](const std::string& sensor, auto task) {
+      if (clouds_.post(sensor, task) && !sensor.empty()) return;
+      sensors_.post([this, task = std::move(task)](Stamp received) { task(sensors_.pipeline(), received); });
     });
     sensors_.add_items = [this](auto& items) {
       items.push_back(clock_.item());
       items.push_back(configuration_item());
-      if (merges_scans_of_clouds()) items.push_back(hand_over_item(clock_.now()));
+      clouds_.add_items(items);
       if (auto item = box_.item()) items.push_back(std::move(*item));
     };
     sensors_.on_round = [this] { feed_watchdog(); };
     sensors_.on_tick = [this](Stamp now) { tick(now); };
-    connect_workers();
   }
 
   /// Runs until a signal, or until another daemon uses the node's name. Returns the exit code; `left`: false
@@ -103,16 +96,16 @@ class Daemon {
     if (const std::string trouble = socket_.start(runtime_socket_path()); !trouble.empty())
       log_warn("`lidard status` cannot ask this daemon: {}", trouble);
     sensors_.post([this](Stamp now) { sensors_.pipeline().tick(now); });
-    start_clouds(*config_);
+    clouds_.start(division_->clouds);
     // Report READY once all sockets are open.
-    in_clouds([] {}, [this] { came_up(); });
+    clouds_.when_done([this] { came_up(); });
     sensors_.run();
     if (reader_.joinable()) reader_.join();  // a signal may come during a reload
     service_.stopping();
     socket_.stop();
     box_.finish();
     sensors_.finish();
-    left = end_clouds();
+    left = clouds_.stop();
     left = ros_.stop() && left;
     return exit_code_;
   }
@@ -126,55 +119,8 @@ class Daemon {
   void keep_config() {
     // After a wrong file the configuration in force is the stored copy already.
     if (!trouble_.empty()) return;
-    const std::string before = std::exchange(not_kept_, last_good_.keep(*config_));
+    const std::string before = std::exchange(not_kept_, last_good_.keep(division_->whole));
     if (!not_kept_.empty() && before.empty()) log_warn("{}", not_kept_);
-  }
-  /// Starts the thread of the worker for clouds when it first has sensors. Throws std::system_error.
-  void start_clouds(const Config& config) {
-    if (!clouds_thread_.joinable() && has_clouds(config))
-      clouds_thread_ = std::thread([this] { run_clouds(); });
-  }
-  /// Runs `task` in the worker for clouds, then `then` in this thread.
-  void in_clouds(std::function<void()> task, std::function<void()> then) {
-    const auto work = [this, task = std::move(task), then = std::move(then)](Stamp now) {
-      task();
-      clouds_.pipeline().tick(now);
-      sensors_.post([then](Stamp) { then(); });
-    };
-    clouds_thread_.joinable() ? clouds_.post(work) : work(clock_.now());
-  }
-  void run_clouds() {
-    name_this_thread("lidard-clouds");
-    yield_this_thread();
-    clouds_.run();
-    clouds_.finish();
-    clouds_ended_ = true;
-  }
-  /// False if the thread hangs.
-  bool end_clouds() {
-    if (!clouds_thread_.joinable()) return true;
-    clouds_.stop();
-    const bool ended = wait_until([this] { return clouds_ended_.load(); }, longest_round);
-    ended ? clouds_thread_.join() : clouds_thread_.detach();
-    return ended;
-  }
-  /// Call it in the thread of the worker for clouds, or before the thread runs.
-  void connect_workers() {
-    const auto hand_over = [this, config = config_](std::size_t source, const PlanarScan& scan, Stamp now) {
-      constexpr int most_waiting = 100;
-      if (handed_over_ >= most_waiting) {
-        ++not_handed_over_;
-        not_handed_over_at_ = now;
-        return;
-      }
-      ++handed_over_;
-      sensors_.post([this, config, source, scan](Stamp received) {
-        --handed_over_;
-        // Numbers of sources belong to a configuration.
-        if (config == config_) sensors_.pipeline().handed_over(source, scan, received);
-      });
-    };
-    clouds_.pipeline().set_hand_over(hand_over);
   }
   void wait_for_signals() {
     requests_.async_wait([this](const boost::system::error_code& error, int signal) {
@@ -192,16 +138,16 @@ class Daemon {
     wants_reload_ = reader_.joinable();
     if (wants_reload_) return;
     service_.reloading();
-    const auto read = [this, file = config_->file] {
-      std::shared_ptr<const Config> config;
+    const auto read = [this, file = division_->whole.file] {
+      std::shared_ptr<const Division> division;
       std::string trouble;
       try {
-        config = divided(load_config(file));
+        division = std::make_shared<const Division>(load_config(file));
       } catch (const std::exception& error) {
         trouble = error.what();
       }
       sensors_.post(
-          [this, config, trouble](Stamp now) { config ? change(config, now) : end_reload(trouble); });
+          [this, division, trouble](Stamp now) { division ? change(division, now) : end_reload(trouble); });
     };
     try {
       reader_ = std::thread(read);
@@ -209,30 +155,26 @@ class Daemon {
       end_reload(std::string("no thread can read the file: ") + error.what());
     }
   }
-  /// Switches both workers in order, each in its own thread.
-  void change(std::shared_ptr<const Config> config, Stamp now) {
-    for (const auto& warning : config->warnings) log_warn("{}", warning);
+  /// Switches both threads in order, each in its own thread.
+  void change(const std::shared_ptr<const Division>& next, Stamp now) {
+    for (const auto& warning : next->whole.warnings) log_warn("{}", warning);
     try {
-      start_clouds(*config);
-      ros_.change(*config_, *config);
+      clouds_.start(next->clouds);
+      ros_.change(division_->whole, next->whole);
     } catch (const std::system_error& error) {
       return end_reload(std::string("no thread can be started for the clouds: ") + error.what());
     } catch (const RosError& error) {
       return end_reload(error.what());
     }
-    config_ = std::move(config);
-    ros_.sink().set_topics(Worker::sensors, output_topics(*config_));
-    sensors_.configure(*config_);
+    division_ = next;
+    ros_.sink().set_topics(output_topics(next->planes));
+    sensors_.configure(next->planes);
     ros_.sink().transforms(sensors_.pipeline().static_transforms(), now);
-    const auto switch_clouds = [this] {
-      ros_.sink().set_topics(Worker::clouds, output_topics(*config_));
-      clouds_.configure(*config_);
-      connect_workers();
-    };
-    in_clouds(switch_clouds, [this] {
-      sensors_.retry_ports();  // of sensors that the other worker had
+    const auto set_topics = [this, next] { cloud_sink_.set_topics(output_topics(next->clouds)); };
+    clouds_.configure(next, set_topics, [this] {
+      sensors_.retry_ports();  // of sensors that the other thread had
       sensors_.pipeline().tick(clock_.now());
-      box_.configure(config_->black_box);
+      box_.configure(division_->whole.black_box);
       end_reload("");
     });
   }
@@ -242,37 +184,20 @@ class Daemon {
     trouble_ = trouble;
     ++reloads_;
     if (trouble.empty())
-      log_info("{} is in force", config_->file);
+      log_info("{} is in force", division_->whole.file);
     else
       log_error("{}; nothing is changed, correct it and reload again", trouble);
     came_up();
     malloc_trim(0);  // returns the memory of the former configuration
     if (std::exchange(wants_reload_, false)) reload();
   }
-  bool merges_scans_of_clouds() const {
-    for (const MergedScanConfig& merged : config_->merged_scans) {
-      for (const std::string& source : merged.laserscan_topics)
-        if (config_->worker_of(source) == Worker::clouds) return true;
-    }
-    return false;
-  }
-  /// The item on virtual scans that are merged.
-  DiagnosticItem hand_over_item(Stamp now) const {
-    DiagnosticItem item{"virtual scans to merge"};
-    constexpr Span news = std::chrono::seconds(10);
-    item.add("Scans dropped", not_handed_over_.load());
-    item.message = "all are handed over";
-    if (not_handed_over_ > 0 && now - not_handed_over_at_.load() < news)
-      item.set(Health::warn, "scans were dropped, since this computer is too busy to merge them; see `top`");
-    return item;
-  }
   DiagnosticItem configuration_item() const {
     DiagnosticItem item{"configuration"};
     item.logged = true;
-    item.message = "as in " + config_->file;
+    item.message = "as in " + division_->whole.file;
     if (!not_kept_.empty()) item.set(Health::warn, not_kept_);
     if (!trouble_.empty()) item.set(Health::error, trouble_ + "; the last good configuration is in force");
-    item.add("File", config_->file);
+    item.add("File", division_->whole.file);
     item.add("Reloads", reloads_);
     return item;
   }
@@ -296,8 +221,8 @@ class Daemon {
     std::vector<DiagnosticItem> items = ros_.diagnostics(now);
     DaemonState all{
         ros_.node(), clock_.step()->host(now), now - started_, status(items), history_, std::move(items), {}};
-    for (const OutputTopic& topic : output_topics(*config_)) {
-      const TopicFigures figures = ros_.sink().figures(topic.name, now);
+    for (const OutputTopic& topic : output_topics(division_->whole)) {
+      const TopicFigures figures = ros_.publisher().figures(topic.name, now);
       if (topic.promised || figures.frames > 0) all.topics.emplace_back(topic.name, figures);
     }
     return all;
@@ -314,10 +239,8 @@ class Daemon {
   /// Names of the hanging threads.
   std::string standing_threads() {
     std::string standing = ros_.standing_threads();
-    const std::uint64_t rounds = clouds_.rounds();
-    if (clouds_thread_.joinable() && rounds == clouds_rounds_)
+    if (clouds_.stands_still())
       standing += (standing.empty() ? "" : ", ") + std::string("the thread of clouds");
-    if (standing.empty()) clouds_rounds_ = rounds;
     return standing;
   }
   void feed_watchdog() {
@@ -345,10 +268,10 @@ class Daemon {
     return how;
   }
 
-  std::shared_ptr<const Config> config_;
+  std::shared_ptr<const Division> division_;
   const LastGood last_good_;
-  std::string trouble_;   // why config_ is not the content of the file; empty: it is
-  std::string not_kept_;  // why config_ could not be stored; empty: it is
+  std::string trouble_;   // why the configuration is not the content of the file; empty: it is
+  std::string not_kept_;  // why it could not be stored; empty: it is
   std::uint64_t reloads_ = 0;
   std::thread reader_;  // joinable during a reload
   bool wants_reload_ = false;
@@ -357,14 +280,9 @@ class Daemon {
   Journal journal_{log_event};
   RosSession ros_;
   BlackBox box_;
+  PublisherThread::Sink& cloud_sink_;
   SensorLoop sensors_;
-  SensorLoop clouds_;
-  std::thread clouds_thread_;
-  std::atomic<bool> clouds_ended_{false};
-  std::uint64_t clouds_rounds_ = 0;
-  std::atomic<int> handed_over_{0};  // scans queued from the worker for clouds to the sensor thread
-  std::atomic<std::uint64_t> not_handed_over_{0};
-  std::atomic<Stamp> not_handed_over_at_{Stamp{}};  // the last time
+  CloudWorker clouds_;
   boost::asio::signal_set signals_;
   boost::asio::signal_set requests_;  // signals that do not end the daemon
   int ticks_ = 0;

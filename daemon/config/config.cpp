@@ -103,11 +103,6 @@ const SensorConfig* Config::find_sensor(const std::string& name) const {
   return nullptr;
 }
 
-Worker Config::worker_of(const std::string& source) const {
-  const SensorConfig* const sensor = find_sensor(source);
-  return sensor != nullptr ? sensor->worker : cloud_worker;
-}
-
 std::vector<std::string> Config::lidars_of(const VirtualScanConfig& group) const {
   for (const MergedCloudConfig& merged : merged_clouds) {
     if (merged.destination_topic == group.cloud_topic) return merged.sources;
@@ -223,6 +218,7 @@ std::vector<StaticTransform> fixed_poses(const Config& config) {
     // A frame has one parent (REP 105); the first entry that names it counts.
     if (child != parent && known.insert(child).second) poses.push_back({parent, child, pose});
   };
+  for (const StaticTransform& one : config.elsewhere.poses) add(one.parent, one.child, one.pose);
   const std::string& base = config.vehicle.base_frame;
   for (const SensorConfig& sensor : config.sensors) {
     if (sensor.pose) add(base, sensor.frame_id, *sensor.pose);
@@ -242,20 +238,13 @@ std::vector<StaticTransform> fixed_poses(const Config& config) {
 std::vector<OutputTopic> output_topics(const Config& config) {
   std::vector<OutputTopic> topics;
   for (const auto& sensor : config.sensors) {
-    for (auto& topic : sensor_topics(sensor)) {
-      topic.worker = sensor.worker;
-      topics.push_back(std::move(topic));
-    }
+    for (auto& topic : sensor_topics(sensor)) topics.push_back(std::move(topic));
   }
   for (const auto& merged : config.merged_scans) add_merged(merged, topics);
-  const std::size_t of_clouds = topics.size();
   for (const auto& merged : config.merged_clouds)
     topics.push_back({merged.destination_topic, TopicKind::merged_cloud});
   for (const auto& group : config.virtual_scans) add_virtual(group, topics);
-  for (std::size_t id = 0; id < topics.size(); ++id) {
-    topics[id].id = id;
-    if (id >= of_clouds) topics[id].worker = config.cloud_worker;
-  }
+  for (std::size_t id = 0; id < topics.size(); ++id) topics[id].id = id;
   return topics;
 }
 

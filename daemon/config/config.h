@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -24,14 +25,6 @@
 #include "drivers/web_control.h"
 
 namespace lidard {
-
-/// The threads of a running daemon that work on frames: planar scanners and what is merged of them never wait
-/// for clouds. A replay has one thread, Worker::sensors, where everything comes in one order.
-enum class Worker : std::uint8_t {
-  sensors,  ///< the sensor thread: planar scanners and all merged scans
-  clouds    ///< multi-plane lidars, merged clouds with all of their sources, and virtual scans
-};
-inline constexpr std::size_t workers = 2;
 
 /// A fixed transform for /tf_static.
 struct StaticTransform {
@@ -82,7 +75,6 @@ struct SensorConfig {
   bool counter_clockwise = false;  ///< its LaserScan has its beams in this order, whichever way it turns
   std::optional<RingScanSpec> ring_scan;  ///< one ring of a multi-plane lidar as a planar scan
   FrameFilterSettings filter;             ///< of what is published of it; other outputs see all of it
-  Worker worker = Worker::sensors;        ///< receives it, see assign_workers()
 
   /// TCP port that the device listens on, for its data or its settings; 0: none.
   std::uint16_t device_port() const {
@@ -190,12 +182,16 @@ struct Config {
   std::vector<MergedCloudConfig> merged_clouds;
   std::vector<VirtualScanConfig> virtual_scans;
   BlackBoxConfig black_box;
-  std::vector<std::string> warnings;      ///< `file:line:column: what`, to be shown once
-  Worker cloud_worker = Worker::sensors;  ///< makes merged clouds and virtual scans, see assign_workers()
+  std::vector<std::string> warnings;  ///< `file:line:column: what`, to be shown once
+  /// What a part of a configuration must know of the other parts; a file has none.
+  struct Elsewhere {
+    std::vector<StaticTransform> poses;  ///< of all parts
+    std::set<std::string> merged;        ///< sources here whose scans another part merges
+    bool has_sensors = false;
+  };
+  Elsewhere elsewhere;
 
   const SensorConfig* find_sensor(const std::string& name) const;
-  /// The worker that a source of a merged scan comes from: a sensor, or a virtual scan by its topic.
-  Worker worker_of(const std::string& source) const;
   /// The lidars behind the cloud_topic of a virtual scan: one, or those of a merged cloud.
   std::vector<std::string> lidars_of(const VirtualScanConfig& group) const;
 };
@@ -236,7 +232,6 @@ struct OutputTopic {
   std::size_t message = 0;  ///< of TopicKind::message: message_kind() of what travels
   std::size_t id = 0;       ///< place in output_topics()
   std::string_view from{};  ///< the driver's name of what travels; empty: what every sensor of the kind gives
-  Worker worker = Worker::sensors;  ///< publishes it
 };
 
 /// The topic of a sensor's own frames: its cloud, or its scan.

@@ -34,15 +34,15 @@ struct DiagnosticItem {
   void add(std::string key, std::uint64_t number) { add(std::move(key), std::to_string(number)); }
 };
 
-/// The items of both workers. Items with one name are joined, with the worse message and the values of both.
+/// The items of both threads. Items with one name are joined, with the worse message and the values of both.
 std::vector<DiagnosticItem> joined(const std::vector<DiagnosticItem>& items,
                                    std::vector<DiagnosticItem> more);
 
 /// A sink that gets the items, too.
 class DiagnosticSink : public FrameSink {
  public:
-  /// The newest items of the pipeline of a worker.
-  virtual void diagnostics(const std::vector<DiagnosticItem>& items, Stamp released, Worker worker) = 0;
+  /// The newest items of the pipeline.
+  virtual void diagnostics(const std::vector<DiagnosticItem>& items, Stamp released) = 0;
 };
 
 }  // namespace lidard

@@ -80,13 +80,13 @@ std::vector<OutputReport> output_reports(const Pipeline& pipeline) {
   return reports;
 }
 
-HealthReporter::HealthReporter(Pipeline& pipeline, DiagnosticSink& sink, Worker worker,
+HealthReporter::HealthReporter(Pipeline& pipeline, DiagnosticSink& sink,
                                std::function<void(std::vector<DiagnosticItem>&)> add_items)
     : pipeline_(pipeline) {
-  pipeline.set_reporter([&pipeline, &sink, worker, add_items = std::move(add_items)](Stamp now) {
+  pipeline.set_reporter([&pipeline, &sink, add_items = std::move(add_items)](Stamp now) {
     std::vector<DiagnosticItem> items = items_of(pipeline, now);
     if (add_items) add_items(items);
-    sink.diagnostics(items, now, worker);
+    sink.diagnostics(items, now);
   });
 }
 

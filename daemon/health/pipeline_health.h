@@ -22,7 +22,7 @@ std::vector<OutputReport> output_reports(const Pipeline& pipeline);
 class HealthReporter {
  public:
   /// The arguments must outlive this. `add_items`: adds what others know (sockets).
-  HealthReporter(Pipeline& pipeline, DiagnosticSink& sink, Worker worker = Worker::sensors,
+  HealthReporter(Pipeline& pipeline, DiagnosticSink& sink,
                  std::function<void(std::vector<DiagnosticItem>&)> add_items = {});
   ~HealthReporter() {
     pipeline_.set_reporter([](Stamp) {});

@@ -130,22 +130,19 @@ std::string host_hint(const SensorConfig& sensor, const HostCounts& counts) {
       came, in.to_string(), who, sensor.ip_port, in.name, who);
 }
 
-HostCauses::HostCauses(const Config& config, const UdpPorts& ports, Worker worker)
-    : ports_(ports), worker_(worker) {
-  configure(config);
-}
+HostCauses::HostCauses(const Config& config, const UdpPorts& ports) : ports_(ports) { configure(config); }
 
 void HostCauses::configure(const Config& config) {
   sensors_ = config.sensors;
   hints_.clear();
   auto known = std::exchange(addresses_, {});
   for (const SensorConfig& each : sensors_) {
-    if (each.worker == worker_ && is_received(each) && each.ip_address)
-      addresses_[*each.ip_address] = known[*each.ip_address];
+    if (is_received(each) && each.ip_address) addresses_[*each.ip_address] = known[*each.ip_address];
   }
-  others_may_talk_ = std::any_of(sensors_.begin(), sensors_.end(), [this](const SensorConfig& each) {
-    return each.worker != worker_ || (is_received(each) && each.model->transport == Transport::tcp);
-  });
+  others_may_talk_ = config.elsewhere.has_sensors ||
+                     std::any_of(sensors_.begin(), sensors_.end(), [](const SensorConfig& each) {
+                       return is_received(each) && each.model->transport == Transport::tcp;
+                     });
 }
 
 void HostCauses::watch_addresses() {

@@ -29,12 +29,12 @@ std::string path_filter_hint(const HostCounts& counts);
 /// The likely reason why no datagram arrives from a sensor; empty: unknown.
 std::string host_hint(const SensorConfig& sensor, const HostCounts& counts);
 
-/// Reads the state of this host's network when a worker's sensor is silent: at most once per second, and
+/// Reads the state of this host's network when a sensor is silent: at most once per second, and
 /// again after interfaces have changed.
 class HostCauses {
  public:
   /// `ports` must outlive this.
-  HostCauses(const Config& config, const UdpPorts& ports, Worker worker);
+  HostCauses(const Config& config, const UdpPorts& ports);
 
   void configure(const Config& config);
   void interfaces_changed() { stale_ = true; }
@@ -58,7 +58,6 @@ class HostCauses {
 
   std::vector<SensorConfig> sensors_;
   const UdpPorts& ports_;
-  const Worker worker_;
   bool others_may_talk_ = false;  // there are senders whose packets ports_ does not count
   std::optional<Snapshot> before_, now_;
   std::map<std::size_t, std::pair<std::string, Clock::time_point>> hints_;  // by sensor, and when

@@ -25,11 +25,11 @@ void log_sensor(const SensorStatus& sensor) {
 }  // namespace
 
 SensorLoop::SensorLoop(const Config& config, DaemonClock& clock, BlackBox& box, TransformSource& transforms,
-                       DiagnosticSink& sink, Worker worker)
+                       DiagnosticSink& sink)
     : clock_(clock),
       box_(box),
-      pipeline_(config, transforms, sink, worker),
-      reporter_(pipeline_, sink, worker,
+      pipeline_(config, transforms, sink),
+      reporter_(pipeline_, sink,
                 [this](std::vector<DiagnosticItem>& items) {
                   add_items(items);
                   items.push_back(load_item());
@@ -37,13 +37,11 @@ SensorLoop::SensorLoop(const Config& config, DaemonClock& clock, BlackBox& box, 
                   connections_.add_diagnostics(items);
                   host_causes_.add_diagnostics(items);
                 }),
-      ports_(
-          io_, config,
-          [this](std::vector<Packet>& packets) {
-            handle(packets, [this](const Packet& packet) { pipeline_.packet(packet); });
-          },
-          worker),
-      host_causes_(config, ports_, worker),
+      ports_(io_, config,
+             [this](std::vector<Packet>& packets) {
+               handle(packets, [this](const Packet& packet) { pipeline_.packet(packet); });
+             }),
+      host_causes_(config, ports_),
       connections_(
           io_, config,
           {[this](std::size_t sensor, const Packet& packet) {
@@ -54,8 +52,8 @@ SensorLoop::SensorLoop(const Config& config, DaemonClock& clock, BlackBox& box, 
            [this](std::size_t sensor) { pipeline_.disconnected(sensor); },
            [this](std::size_t sensor) { return pipeline_.frames(sensor); },
            [this](std::size_t sensor) { return host_causes_.trouble(sensor); },
-           [this](std::size_t sensor) { return host_causes_.hint(sensor); }, [this] { return clock_.now(); }},
-          {}, worker),
+           [this](std::size_t sensor) { return host_causes_.hint(sensor); },
+           [this] { return clock_.now(); }}),
       interfaces_(io_,
                   [this] {
                     host_causes_.interfaces_changed();

@@ -22,13 +22,13 @@
 
 namespace lidard {
 
-/// One worker of a running daemon: its sockets and its pipeline, used only by the thread of run(). Other
-/// threads post tasks.
+/// A thread of a running daemon that works on frames: its sockets and its pipeline, used only by the thread
+/// of run(). Other threads post tasks.
 class SensorLoop {
  public:
-  /// Does what belongs to `worker` in the configuration. The other arguments must outlive this.
+  /// The other arguments must outlive this.
   SensorLoop(const Config& config, DaemonClock& clock, BlackBox& box, TransformSource& transforms,
-             DiagnosticSink& sink, Worker worker = Worker::sensors);
+             DiagnosticSink& sink);
 
   boost::asio::io_context& io() { return io_; }
   Pipeline& pipeline() { return pipeline_; }

@@ -25,8 +25,8 @@ std::string text_of(const TcpState& state, bool streams) {
 }  // namespace
 
 TcpConnections::TcpConnections(boost::asio::io_context& io, const Config& config, ConnectionEvents events,
-                               TcpOptions options, Worker worker)
-    : io_(io), events_(std::move(events)), options_(options), worker_(worker) {
+                               TcpOptions options)
+    : io_(io), events_(std::move(events)), options_(options) {
   configure(config);
 }
 
@@ -34,7 +34,7 @@ void TcpConnections::configure(const Config& config) {
   std::vector<std::unique_ptr<Connection>> before = std::exchange(connections_, {});
   for (std::size_t i = 0; i < config.sensors.size(); ++i) {
     const SensorConfig& sensor = config.sensors[i];
-    if (sensor.model == nullptr || sensor.worker != worker_) continue;
+    if (sensor.model == nullptr) continue;
     const bool streams = sensor.model->transport == Transport::tcp;
     if (sensor.device_port() == 0 || sensor.driver.requests.listen_only) continue;
     const auto same =

@@ -28,13 +28,13 @@ struct ConnectionEvents {
   std::function<Stamp()> now{};
 };
 
-/// The TCP connections of a worker's sensors: to devices that stream over TCP, and to other devices whose
+/// The TCP connections of the sensors: to devices that stream over TCP, and to other devices whose
 /// drivers request a dialogue.
 class TcpConnections final : public DeviceConnections {
  public:
   /// `options`: for every connection; the device is filled in.
   TcpConnections(boost::asio::io_context& io, const Config& config, ConnectionEvents events,
-                 TcpOptions options = {}, Worker worker = Worker::sensors);
+                 TcpOptions options = {});
 
   /// Applies another configuration. Connections of unchanged entries stay open.
   void configure(const Config& config);
@@ -67,7 +67,6 @@ class TcpConnections final : public DeviceConnections {
   boost::asio::io_context& io_;
   ConnectionEvents events_;
   TcpOptions options_;
-  const Worker worker_;
   std::vector<std::unique_ptr<Connection>> connections_;
   bool started_ = false;
 };

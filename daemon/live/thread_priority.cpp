@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/live/thread_priority.h"
 
+#include <pthread.h>
 #include <sched.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
@@ -36,5 +37,7 @@ void set_slice(std::uint64_t ns) {
 
 void prefer_this_thread() { set_slice(short_slice_ns); }
 void yield_this_thread() { set_slice(usual_slice); }
+
+void name_this_thread(const char* name) { pthread_setname_np(pthread_self(), name); }
 
 }  // namespace lidard

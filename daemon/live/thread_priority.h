@@ -12,4 +12,7 @@ void prefer_this_thread();
 /// Returns the calling thread to usual slices: clouds come after planar scanners.
 void yield_this_thread();
 
+/// Sets the name that `top -H` shows for the calling thread; at most 15 characters.
+void name_this_thread(const char* name);
+
 }  // namespace lidard

@@ -27,12 +27,12 @@ double load_of(const Model& model) {
 }
 
 /// The sockets needed: data ports, and telemetry ports.
-std::map<std::uint16_t, UdpOptions> options_by_port(const Config& config, Worker worker) {
+std::map<std::uint16_t, UdpOptions> options_by_port(const Config& config) {
   std::map<std::uint16_t, UdpOptions> all;
   std::map<std::uint16_t, bool> open_to_all;
   for (const auto& sensor : config.sensors) {
     for (const Flow& flow : flows_of(sensor)) {
-      if (sensor.worker != worker || flow.transport != Transport::udp) continue;
+      if (flow.transport != Transport::udp) continue;
       const std::uint16_t number = flow.port;
       const bool fresh = all.find(number) == all.end();
       UdpOptions& options = all[number];
@@ -57,15 +57,14 @@ std::map<std::uint16_t, UdpOptions> options_by_port(const Config& config, Worker
 
 }  // namespace
 
-UdpPorts::UdpPorts(boost::asio::io_context& io, const Config& config, const UdpSource::Handler& handler,
-                   Worker worker)
-    : io_(io), handler_(handler), worker_(worker) {
+UdpPorts::UdpPorts(boost::asio::io_context& io, const Config& config, const UdpSource::Handler& handler)
+    : io_(io), handler_(handler) {
   configure(config);
 }
 
 void UdpPorts::configure(const Config& config) {
   std::vector<Port> before = std::exchange(ports_, {});
-  const auto wanted = options_by_port(config, worker_);
+  const auto wanted = options_by_port(config);
   for (Port& port : before) {
     if (wanted.count(port.number) == 0) port.source->stop();
   }

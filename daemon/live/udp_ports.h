@@ -15,11 +15,10 @@
 
 namespace lidard {
 
-/// The UDP ports of a worker's sensors: one socket per port, shared by the sensors that send there.
+/// The UDP ports of the sensors: one socket per port, shared by the sensors that send there.
 class UdpPorts {
  public:
-  UdpPorts(boost::asio::io_context& io, const Config& config, const UdpSource::Handler& handler,
-           Worker worker = Worker::sensors);
+  UdpPorts(boost::asio::io_context& io, const Config& config, const UdpSource::Handler& handler);
 
   /// Applies another configuration. Unchanged ports continue to receive.
   void configure(const Config& config);
@@ -49,7 +48,6 @@ class UdpPorts {
 
   boost::asio::io_context& io_;
   const UdpSource::Handler handler_;
-  const Worker worker_;
   std::vector<Port> ports_;
   bool started_ = false;
 };

@@ -61,14 +61,25 @@ void Outlet::configure(const Config& config) {
     *topics_.back() = topic;
     names_.push_back(topic.name);
   }
+  for (const MergedScanConfig& merged : config.merged_scans) {
+    for (const std::string& source : merged.laserscan_topics)
+      if (!find_source(source)) names_.push_back(source);
+  }
   consumers_.assign(names_.size(), {});
-  is_handed_over_.assign(names_.size(), 0);
+  is_forwarded_.clear();
+  for (const std::string& name : names_) is_forwarded_.push_back(config.elsewhere.merged.count(name) > 0);
+}
+
+std::optional<std::size_t> Outlet::find_source(const std::string& name) const {
+  const auto found = std::find(names_.begin(), names_.end(), name);
+  if (found == names_.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - names_.begin());
 }
 
 std::size_t Outlet::source(const std::string& name) const {
-  const auto found = std::find(names_.begin(), names_.end(), name);
-  if (found == names_.end()) throw std::logic_error("no source " + name);
-  return static_cast<std::size_t>(found - names_.begin());
+  const auto found = find_source(name);
+  if (!found) throw std::logic_error("no source " + name);
+  return *found;
 }
 
 const OutputTopic& Outlet::topic(const std::string& name) const {
@@ -91,7 +102,7 @@ void Outlet::skip(const OutputTopic& topic, Stamp now) {
 
 void Outlet::feed(std::size_t source, const PlanarScan& scan, Stamp now) {
   fed_ = true;
-  if (is_handed_over_[source] != 0) hand_over_(source, scan, now);
+  if (is_forwarded_[source] != 0) forward_(names_[source], scan, now);
   for (const Consumer& consumer : consumers_[source]) consumer.output->add_scan(consumer.place, scan, now);
 }
 
@@ -113,7 +124,7 @@ void Outlet::pass_by(std::size_t source, const Cloud& cloud, Stamp now) {
 
 bool Outlet::feeds(std::size_t source) const {
   const auto& consumers = consumers_.at(source);
-  return is_handed_over_[source] != 0 ||
+  return is_forwarded_[source] != 0 ||
          std::any_of(consumers.begin(), consumers.end(),
                      [](const Consumer& consumer) { return consumer.output->is_wanted(); });
 }

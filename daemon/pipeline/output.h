@@ -19,8 +19,8 @@ namespace lidard {
 
 class Output;
 
-/// Passes a scan of the worker for clouds to the sensor thread, which merges it; `source` as of Outlet.
-using HandOver = std::function<void(std::size_t source, const PlanarScan& scan, Stamp now)>;
+/// Passes a scan to the part of the configuration that merges it.
+using Forward = std::function<void(const std::string& source, const PlanarScan& scan, Stamp now)>;
 
 /// The way on for frames: to the sink, and to the merged and virtual scans that are made of them. Sources
 /// are numbered: sensors by their place in the configuration, then topics by OutputTopic::id.
@@ -31,18 +31,19 @@ class Outlet {
   /// Replaces topics and sources, and connects nothing. A topic that was there before keeps its address and
   /// what it counted.
   void configure(const Config& config);
-  void set_hand_over(HandOver hand_over) { hand_over_ = std::move(hand_over); }
+  void set_forward(Forward forward) { forward_ = std::move(forward); }
 
   /// The topic of that name, which must be there.
   const OutputTopic& topic(const std::string& name) const;
-  /// The number of the source of that name: a sensor, or a virtual scan by its topic.
+  /// The number of the source of that name: a sensor, a virtual scan by its topic, or a source of merged
+  /// scans elsewhere.
+  std::optional<std::size_t> find_source(const std::string& name) const;
+  /// The same of a source that must be there.
   std::size_t source(const std::string& name) const;
   /// From now on `output` gets what the source gives, as its source number `place`.
   void connect(std::size_t source, Output& output, std::size_t place) {
     consumers_.at(source).push_back({&output, place});
   }
-  /// From now on the scans of the source are handed over too.
-  void connect_sensor_thread(std::size_t source) { is_handed_over_.at(source) = 1; }
 
   /// To the sink, and to the outputs that are made of a scan on this topic.
   void publish(const OutputTopic& topic, const Payload& payload, Stamp now);
@@ -73,12 +74,12 @@ class Outlet {
     std::size_t place;  // of the source among those of the output
   };
   FrameSink& sink_;
-  HandOver hand_over_ = [](std::size_t, const PlanarScan&, Stamp) {};
+  Forward forward_ = [](const std::string&, const PlanarScan&, Stamp) {};
   std::vector<std::unique_ptr<OutputTopic>> topics_;
   std::vector<OutputReport> reports_;
   std::vector<std::string> names_;                // of the sources; a topic is the source of its scans
   std::vector<std::vector<Consumer>> consumers_;  // by source
-  std::vector<char> is_handed_over_;              // by source
+  std::vector<char> is_forwarded_;                // by source
   std::size_t first_topic_ = 0;                   // among the sources
   bool fed_ = false;
 };

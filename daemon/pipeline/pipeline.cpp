@@ -4,8 +4,6 @@
 
 #include <algorithm>
 
-#include "daemon/config/workers.h"
-
 namespace lidard {
 namespace {
 
@@ -13,9 +11,8 @@ constexpr Span report_period = std::chrono::seconds(1);
 
 }  // namespace
 
-Pipeline::Pipeline(const Config& config, TransformSource& transforms, FrameSink& sink, Worker worker)
-    : worker_(worker),
-      vehicle_(vehicle_for(config, worker)),
+Pipeline::Pipeline(const Config& config, TransformSource& transforms, FrameSink& sink)
+    : vehicle_(config.vehicle),
       frames_(config, transforms),
       motion_(vehicle_, transforms, frames_),
       outlet_(sink) {
@@ -26,29 +23,20 @@ void Pipeline::configure(const Config& config) {
   List<Sensor> sensors = std::exchange(sensors_, {});
   List<Output> outputs = std::exchange(outputs_, {});
   // What an output shows depends on the vehicle's outline too.
-  const VehicleConfig vehicle = vehicle_for(config, worker_);
-  const bool is_other_vehicle = !(vehicle_ == vehicle);
+  const bool is_other_vehicle = !(vehicle_ == config.vehicle);
   if (is_other_vehicle) outputs.clear();
-  vehicle_ = vehicle;
+  vehicle_ = config.vehicle;
   frames_.configure(config);
   motion_.configure();
   if (is_other_vehicle) motion_.restart();  // poses in another frame do not continue those before
   outlet_.configure(config);
   flows_ = {};
   tcp_ports_.clear();
-  for (std::size_t place = 0; place < config.sensors.size(); ++place) {
-    if (config.sensors[place].worker == worker_) add_sensor(config.sensors[place], place, sensors);
-  }
-  for (const auto& entry : config.merged_scans) {
-    if (worker_ == Worker::sensors) add_output(entry, outputs);
-    for (const auto& name : entry.laserscan_topics) {
-      if (worker_ != Worker::sensors) outlet_.connect_sensor_thread(outlet_.source(name));
-    }
-  }
-  if (config.cloud_worker == worker_) {
-    for (const auto& entry : config.merged_clouds) add_output(entry, outputs);
-    for (const auto& entry : config.virtual_scans) add_output(entry, outputs);
-  }
+  for (std::size_t place = 0; place < config.sensors.size(); ++place)
+    add_sensor(config.sensors[place], place, sensors);
+  for (const auto& entry : config.merged_scans) add_output(entry, outputs);
+  for (const auto& entry : config.merged_clouds) add_output(entry, outputs);
+  for (const auto& entry : config.virtual_scans) add_output(entry, outputs);
   knows_next_event_ = false;
   report_wanted_ = true;
 }
@@ -128,11 +116,13 @@ void Pipeline::connected(std::size_t sensor, Stamp now) {
   sensor_at(sensor).connected(now);
 }
 
-void Pipeline::handed_over(std::size_t source, const PlanarScan& scan, Stamp received) {
+void Pipeline::forwarded_scan(const std::string& source, const PlanarScan& scan, Stamp received) {
+  const auto number = outlet_.find_source(source);
+  if (!number) return;  // a reload has removed it
   advance(received);
   motion_.poll(received);
   motion_.note_data(scan.stamp, received);
-  outlet_.feed(source, scan, received);
+  outlet_.feed(*number, scan, received);
 }
 
 /// Messages of a sensor's topic, of packets for its driver or not.
@@ -163,6 +153,7 @@ void Pipeline::cloud_message(const std::string& sensor, Cloud& cloud, Stamp rece
 }
 
 void Pipeline::pose_message(Stamp stamp, const Pose& pose, const std::string& child, Stamp received) {
+  if (!vehicle_.has_motion()) return;
   advance(received);
   motion_.add_pose(motion_.placed(stamp, received + sensor_context_.messages_ahead), pose, child, received);
   advance_to(received);
@@ -170,6 +161,7 @@ void Pipeline::pose_message(Stamp stamp, const Pose& pose, const std::string& ch
 
 void Pipeline::turn_message(Stamp stamp, const Eigen::Vector3d& rates, const std::string& frame,
                             Stamp received) {
+  if (!vehicle_.has_motion()) return;
   advance(received);
   motion_.add_turn(motion_.placed(stamp, received + sensor_context_.messages_ahead), rates, frame, received);
   advance_to(received);

@@ -82,14 +82,14 @@ class StartWatch {
 /// frames (outputs), and the way on (outlet), which ends in the sink.
 class Pipeline final : public MessageReceiver {
  public:
-  /// Does what belongs to `worker` in the configuration. `transforms` and `sink` must outlive the pipeline.
-  Pipeline(const Config& config, TransformSource& transforms, FrameSink& sink,
-           Worker worker = Worker::sensors);
+  /// `transforms` and `sink` must outlive the pipeline.
+  Pipeline(const Config& config, TransformSource& transforms, FrameSink& sink);
 
   /// Applies another configuration. Sensors and outputs that are as their entries say go on as if nothing had
   /// happened.
   void configure(const Config& config);
-  void set_hand_over(HandOver hand_over) { outlet_.set_hand_over(std::move(hand_over)); }
+  /// What gets the scans of Config::Elsewhere::merged.
+  void set_forward(Forward forward) { outlet_.set_forward(std::move(forward)); }
   /// The configured transforms, for /tf_static.
   const std::vector<StaticTransform>& static_transforms() const { return frames_.transforms(); }
 
@@ -108,8 +108,8 @@ class Pipeline final : public MessageReceiver {
   /// Frames that a sensor's driver has handed on so far.
   std::uint64_t frames(std::size_t sensor) const { return sensor_at(sensor).counters().frames; }
 
-  /// A scan that the worker for clouds hands over.
-  void handed_over(std::size_t source, const PlanarScan& scan, Stamp received);
+  /// A scan of a source of merged scans that another part of the configuration has.
+  void forwarded_scan(const std::string& source, const PlanarScan& scan, Stamp received);
 
   void set_message_clock(Span ahead) override { sensor_context_.messages_ahead = ahead; }
   void packet_message(const std::string& sensor, const Packet& packet, Stamp received) override;
@@ -118,7 +118,9 @@ class Pipeline final : public MessageReceiver {
   void pose_message(Stamp stamp, const Pose& pose, const std::string& child, Stamp received) override;
   void turn_message(Stamp stamp, const Eigen::Vector3d& rates, const std::string& frame,
                     Stamp received) override;
-  void speed_message(double speed, Stamp received) override { motion_.add_speed(speed, received); }
+  void speed_message(double speed, Stamp received) override {
+    if (vehicle_.has_motion()) motion_.add_speed(speed, received);
+  }
   std::string set_output(const OutputId& output, const OutputScanConfig& wanted) override;
   std::string set_sensor(const SensorConfig& wanted) override;
 
@@ -158,7 +160,6 @@ class Pipeline final : public MessageReceiver {
   void advance_to(Stamp at);
   void call_reporter(Stamp now);
 
-  const Worker worker_;
   VehicleConfig vehicle_;
   FrameTree frames_;
   VehicleMotion motion_;

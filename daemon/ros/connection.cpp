@@ -47,9 +47,10 @@ RosConnection::RosConnection(const RosOptions& options, const std::vector<Output
       master_uri_(choose_master(options.remappings)),
       node_(initialised(options)),
       name_(node_, master_uri_),
-      publisher_(options, watch_, [this](Worker worker, const auto& items) { accept_items(worker, items); }) {
+      publisher_(options, watch_, [this](std::size_t sink, const auto& items) { accept_items(sink, items); }),
+      sink_(publisher_.add_sink()) {
   check_ros_names(topics);
-  for (const Worker worker : {Worker::sensors, Worker::clouds}) publisher_.set_topics(worker, topics);
+  sink_.set_topics(topics);
 }
 
 RosConnection::~RosConnection() {
@@ -92,10 +93,11 @@ bool RosConnection::stop() {
   return ended_clean_;
 }
 
-void RosConnection::accept_items(Worker worker, const std::vector<DiagnosticItem>& items) {
+void RosConnection::accept_items(std::size_t sink, const std::vector<DiagnosticItem>& items) {
   {
     const std::lock_guard lock(mutex_);
-    Newest& newest = newest_[static_cast<std::size_t>(worker)];
+    newest_.resize(std::max(newest_.size(), sink + 1));
+    Newest& newest = newest_[sink];
     const bool same = std::equal(items.begin(), items.end(), newest.items.begin(), newest.items.end(),
                                  [](const auto& a, const auto& b) { return a.health == b.health; });
     newest = {items, Clock::now()};
@@ -107,13 +109,14 @@ void RosConnection::accept_items(Worker worker, const std::vector<DiagnosticItem
 
 std::vector<DiagnosticItem> RosConnection::diagnostics(Stamp now) {
   std::unique_lock lock(mutex_);
-  std::vector<DiagnosticItem> items = joined(newest_[0].items, newest_[1].items);
+  std::vector<DiagnosticItem> items;
+  for (const Newest& newest : newest_) items = joined(items, newest.items);
   lock.unlock();
   for (DiagnosticItem& item : own_items(now)) items.push_back(std::move(item));
   return items;
 }
 
-/// Items beside those of the workers.
+/// Items beside those of the sinks.
 std::vector<DiagnosticItem> RosConnection::own_items(Stamp now) {
   std::vector<DiagnosticItem> items{own_status()};
   publisher_.add_diagnostics(items, now);
@@ -321,7 +324,8 @@ void RosConnection::publish_diagnostics() {
   }
   std::unique_lock lock(mutex_);
   component_items_ = std::move(of_components);
-  std::vector<DiagnosticItem> items = joined(aged_items(Worker::sensors), aged_items(Worker::clouds));
+  std::vector<DiagnosticItem> items;
+  for (const Newest& newest : newest_) items = joined(items, aged_items(newest));
   lock.unlock();
   for (DiagnosticItem& item : own_items(options_.clock_step->steady(wall_clock())))
     items.push_back(std::move(item));
@@ -330,9 +334,8 @@ void RosConnection::publish_diagnostics() {
   diagnostics_.publish(message);
 }
 
-/// The newest items of a worker; as errors if they are too old, since its thread is dead then.
-std::vector<DiagnosticItem> RosConnection::aged_items(Worker worker) const {
-  const Newest& newest = newest_[static_cast<std::size_t>(worker)];
+/// The newest items of a sink; as errors if they are too old, since its thread is dead then.
+std::vector<DiagnosticItem> RosConnection::aged_items(const Newest& newest) const {
   std::vector<DiagnosticItem> items = newest.items;
   const Span age = Clock::now() - std::max(newest.at, awake_since_.load());
   if (!options_.longest_report_age || age <= *options_.longest_report_age) return items;

@@ -41,7 +41,11 @@ class RosConnection {
   void start();
 
   /// Receives the frames.
-  PublisherThread& sink() { return publisher_; }
+  /// Of one pipeline.
+  PublisherThread::Sink& sink() { return sink_; }
+  /// Of a further pipeline in another thread; call it before start().
+  PublisherThread::Sink& add_sink() { return publisher_.add_sink(); }
+  PublisherThread& publisher() { return publisher_; }
 
   /// Waits until the topics are advertised; false after `limit`, or in a conflict().
   bool wait_for_master(Span limit);
@@ -74,7 +78,7 @@ class RosConnection {
     Clock::time_point at;
   };
 
-  void accept_items(Worker worker, const std::vector<DiagnosticItem>& items);
+  void accept_items(std::size_t sink, const std::vector<DiagnosticItem>& items);
   std::vector<DiagnosticItem> own_items(Stamp now);
   DiagnosticItem own_status() const;
   void judge_own_status(DiagnosticItem& item) const;
@@ -90,13 +94,14 @@ class RosConnection {
   void end_ros(bool leave);
   void restart_after_foreign_stop(MasterClient& master);
   void publish_diagnostics();
-  std::vector<DiagnosticItem> aged_items(Worker worker) const;
+  std::vector<DiagnosticItem> aged_items(const Newest& newest) const;
 
   const RosOptions options_;
   const std::string master_uri_, node_;
   NodeName name_;
   ThreadWatch watch_;
   PublisherThread publisher_;
+  PublisherThread::Sink& sink_;
 
   std::atomic<bool> stopping_{false};
   std::atomic<bool> master_asked_{false}, master_present_{false};
@@ -114,7 +119,7 @@ class RosConnection {
   std::condition_variable wake_;
   // Guarded by mutex_:
   std::vector<std::pair<Component, Component>> changes_;  // former and next one
-  std::array<Newest, workers> newest_;                    // of each worker
+  std::vector<Newest> newest_;                            // of each sink
   std::vector<DiagnosticItem> component_items_;
 
   // Of the master thread:

@@ -6,7 +6,6 @@
 
 #include <utility>
 
-#include "daemon/config/workers.h"
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/ros/in/inputs.h"
 #include "daemon/ros/in/output_items.h"
@@ -34,14 +33,6 @@ class Outline final : public RosComponent {
   const RawMessage outline_;
 };
 
-/// The workers that use the vehicle's motion.
-std::vector<Worker> moving_workers(const Config& config) {
-  std::vector<Worker> moving;
-  for (const Worker worker : {Worker::sensors, Worker::clouds})
-    if (vehicle_for(config, worker).has_motion()) moving.push_back(worker);
-  return moving;
-}
-
 }  // namespace
 
 RosSession::RosSession(const Config& config, const RosOptions& options)
@@ -55,10 +46,10 @@ RosSession::RosSession(const Config& config, const RosOptions& options)
 TransformSource& RosSession::poses() { return *poses_; }
 
 void RosSession::feed(const Config& config, RosPost post) {
-  post_ = [post = std::move(post), clock = clock_step_](Worker worker, const RosTask& task) {
+  post_ = [post = std::move(post), clock = clock_step_](const std::string& sensor, const RosTask& task) {
     // In a simulation (/use_sim_time) messages are stamped by /clock, which may not have come yet.
     const ros::Time simulated = ros::Time::isSimTime() ? ros::Time::now() : ros::Time();
-    post(worker, [=](MessageReceiver& to, Stamp received) {
+    post(sensor, [=](MessageReceiver& to, Stamp received) {
       const Stamp now = simulated.isZero() ? received : clock->steady(from_ros(simulated));
       to.set_message_clock(now - received);
       task(to, received);
@@ -83,9 +74,8 @@ void RosSession::renew(const Config* before, const Config& config) {
   const auto sources = topic_sources(config);
   if (before == nullptr || !(sources == topic_sources(*before)))
     replace(inputs_, std::make_shared<RosInputs>(sources, post_, clock_step_));
-  const auto moving = moving_workers(config);
-  if (before == nullptr || !(config.vehicle == before->vehicle) || moving != moving_workers(*before)) {
-    replace(motion_, make_ros_motion(config.vehicle, moving, post_, clock_step_));
+  if (before == nullptr || !(config.vehicle == before->vehicle)) {
+    replace(motion_, make_ros_motion(config.vehicle, post_, clock_step_));
     replace(outline_, std::make_shared<Outline>(config.vehicle));
   }
   replace(reconfigure_, make_ros_reconfigure(changeable_outputs(config, names_), post_));

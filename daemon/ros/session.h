@@ -13,7 +13,7 @@ namespace lidard {
 class TfPoses;
 class TransformSource;
 
-/// The workers' interface to ROS: a sink for frames, poses from tf, and, after feed(), messages of other
+/// The pipelines' interface to ROS: sinks for frames, poses from tf, and, after feed(), messages of other
 /// nodes and changes of outputs. The same live, in replay and in the drop-ins.
 class RosSession : public RosConnection {
  public:
@@ -25,7 +25,7 @@ class RosSession : public RosConnection {
   /// Passes messages of `topic:` and `packet_topic:` sensors, of the vehicle's motion and of
   /// dynamic_reconfigure to the pipelines. To be called before start().
   void feed(const Config& config, RosPost post);
-  /// Applies another configuration, except PublisherThread::set_topics(). Throws RosError; then nothing
+  /// Applies another configuration, except Sink::set_topics(). Throws RosError; then nothing
   /// changes.
   void change(const Config& before, const Config& config);
 

@@ -75,7 +75,7 @@ class SummedSink final : public DiagnosticSink {
     else
       sums.message(topic.name, *std::get<const DeviceMessage*>(payload));
   }
-  void diagnostics(const std::vector<DiagnosticItem>& items, Stamp released, Worker) override {
+  void diagnostics(const std::vector<DiagnosticItem>& items, Stamp released) override {
     sums.add_exact("diagnostics", released.ns);
     for (const DiagnosticItem& item : items) {
       sums.add_exact("diagnostics of " + item.name, static_cast<int>(item.health));

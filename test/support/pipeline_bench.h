@@ -79,8 +79,7 @@ struct PipelineBench {
   Config config;
   Pipeline pipeline{config, tf, sink};
   std::function<void(std::vector<DiagnosticItem>&)> add_items = [](std::vector<DiagnosticItem>&) {};
-  HealthReporter reporter{pipeline, sink, Worker::sensors,
-                          [this](std::vector<DiagnosticItem>& items) { add_items(items); }};
+  HealthReporter reporter{pipeline, sink, [this](std::vector<DiagnosticItem>& items) { add_items(items); }};
 };
 
 }  // namespace lidard::test

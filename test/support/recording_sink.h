@@ -51,7 +51,7 @@ class RecordingSink final : public DiagnosticSink {
     return all;
   }
   void transforms(const std::vector<StaticTransform>& all, Stamp) override { static_transforms = all; }
-  void diagnostics(const std::vector<DiagnosticItem>& items, Stamp at, Worker) override {
+  void diagnostics(const std::vector<DiagnosticItem>& items, Stamp at) override {
     ++tellings;
     newest = items;
     for (const auto& item : items) {

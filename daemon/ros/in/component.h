@@ -14,8 +14,8 @@
 #include "core/base/host_clock.h"
 #include "daemon/config/config.h"
 #include "daemon/health/diagnostics.h"
+#include "daemon/live/wait_until.h"
 #include "daemon/ros/in/callback_thread.h"
-#include "daemon/ros/master/wait_until.h"
 #include "daemon/ros/messages/raw_message.h"
 
 namespace lidard {
@@ -72,18 +72,18 @@ class RosComponent {
   std::vector<std::any> kept_;
 };
 
-/// Runs a task for the pipeline of a worker, in its thread, with the host's or the replay's time at which the
-/// task came. Called in the callback thread; must not wait.
+/// Runs a task for the pipeline that has the sensor, for all pipelines if it is empty, in their threads, with
+/// the host's or the replay's time at which the task came. Called in the callback thread; must not wait.
 using RosTask = std::function<void(MessageReceiver& pipeline, Stamp received)>;
-using RosPost = std::function<void(Worker worker, RosTask task)>;
+using RosPost = std::function<void(const std::string& sensor, RosTask task)>;
 
 /// Converts the stamps of messages, which are the host's, to the time of the pipelines.
 using SharedClockStep = std::shared_ptr<const ClockStep>;
 
 /// Subscribes to the topics of the vehicle's motion: nav_msgs/Odometry, or sensor_msgs/Imu with a speed
-/// (geometry_msgs/TwistStamped), for the workers that use it.
-std::shared_ptr<RosComponent> make_ros_motion(const VehicleConfig& vehicle, std::vector<Worker> users,
-                                              RosPost post, SharedClockStep clock);
+/// (geometry_msgs/TwistStamped), for all pipelines.
+std::shared_ptr<RosComponent> make_ros_motion(const VehicleConfig& vehicle, RosPost post,
+                                              SharedClockStep clock);
 /// dynamic_reconfigure servers of the merged and virtual scans. The callback thread answers requests and
 /// passes on what is accepted. The parameter server is written in the master thread, so that a master that
 /// hangs holds up nobody; dynamic_reconfigure::Server would write it in the answering thread.

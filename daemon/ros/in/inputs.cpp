@@ -58,9 +58,8 @@ std::vector<TopicSource> topic_sources(const Config& config) {
   std::vector<TopicSource> sources;
   for (const auto& sensor : config.sensors) {
     if (sensor.model == nullptr)
-      sources.push_back({sensor.name, sensor.topic, false, use_of(sensor.name, config), sensor.worker});
-    if (!sensor.packet_topic.empty())
-      sources.push_back({sensor.name, sensor.packet_topic, true, {}, sensor.worker});
+      sources.push_back({sensor.name, sensor.topic, false, use_of(sensor.name, config)});
+    if (!sensor.packet_topic.empty()) sources.push_back({sensor.name, sensor.packet_topic, true, {}});
   }
   return sources;
 }
@@ -138,7 +137,7 @@ void RosInputs::subscribe_as(const MessageType& type, const std::shared_ptr<Sour
       return;
     }
     ++source->pending;
-    post(report.worker, [source, task](MessageReceiver& to, Stamp received) {
+    post(report.sensor, [source, task](MessageReceiver& to, Stamp received) {
       task(to, received);
       const std::lock_guard done(source->mutex);
       --source->pending;

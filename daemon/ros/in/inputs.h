@@ -24,10 +24,8 @@ struct TopicSource {
   std::string topic;
   bool packets = false;                ///< the topic carries velodyne_msgs/VelodyneScan for a driver of ours
   std::optional<FrameKind> kind = {};  ///< needed by the outputs; unset: any
-  Worker worker = Worker::sensors;     ///< uses it
   friend bool operator==(const TopicSource& a, const TopicSource& b) {
-    return a.sensor == b.sensor && a.topic == b.topic && a.packets == b.packets && a.kind == b.kind &&
-           a.worker == b.worker;
+    return a.sensor == b.sensor && a.topic == b.topic && a.packets == b.packets && a.kind == b.kind;
   }
 };
 

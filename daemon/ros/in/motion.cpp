@@ -16,9 +16,8 @@ namespace {
 
 class RosMotion final : public RosComponent {
  public:
-  RosMotion(const VehicleConfig& vehicle, std::vector<Worker> users, RosPost post, SharedClockStep clock)
+  RosMotion(const VehicleConfig& vehicle, RosPost post, SharedClockStep clock)
       : topics_{vehicle.odometry_topic, vehicle.imu_topic, vehicle.speed_topic},
-        users_(std::move(users)),
         post_(std::move(post)),
         clock_(std::move(clock)) {}
   void connected(RosCallbackThread& ros) override {
@@ -44,7 +43,7 @@ class RosMotion final : public RosComponent {
     constexpr std::uint32_t queue_length = 50;
     if (topics_[topic].empty()) return;
     const auto receive = [this, make_task](const boost::shared_ptr<const Message>& message) {
-      for (const Worker user : users_) post_(user, make_task(*message));
+      post_({}, make_task(*message));
     };
     // A pose that Nagle's algorithm delays is missing for deskewing.
     subscribe<Message>(ros, topics_[topic], queue_length, receive, type_of<Message>(),
@@ -52,16 +51,15 @@ class RosMotion final : public RosComponent {
   }
 
   const std::string topics_[3];  // empty: none
-  const std::vector<Worker> users_;
   const RosPost post_;
   const SharedClockStep clock_;
 };
 
 }  // namespace
 
-std::shared_ptr<RosComponent> make_ros_motion(const VehicleConfig& vehicle, std::vector<Worker> users,
-                                              RosPost post, SharedClockStep clock) {
-  return std::make_shared<RosMotion>(vehicle, std::move(users), std::move(post), std::move(clock));
+std::shared_ptr<RosComponent> make_ros_motion(const VehicleConfig& vehicle, RosPost post,
+                                              SharedClockStep clock) {
+  return std::make_shared<RosMotion>(vehicle, std::move(post), std::move(clock));
 }
 
 }  // namespace lidard

@@ -76,11 +76,9 @@ ChangeableOutput merged_output(const MergedScanConfig& merged, const Config& con
   return output;
 }
 
-ChangeableOutput virtual_output(const VirtualScanConfig& group, const Config& config,
-                                ReconfigureNames names) {
+ChangeableOutput virtual_output(const VirtualScanConfig& group, ReconfigureNames names) {
   ChangeableOutput output;
   output.id = {OutputId::Kind::virtual_group, group.name};
-  output.worker = config.cloud_worker;
   std::set<std::string> topics;
   for (const std::string& frame : group.virtual_laser_scan) {
     topics.insert(group.topic(frame));
@@ -131,7 +129,6 @@ ChangeableOutput sensor_output(const SensorConfig& sensor) {
   ChangeableOutput output;
   output.id.entry = sensor.name;
   output.sensor = sensor;
-  output.worker = sensor.worker;
   for (const auto& limit : sensor_limits) {
     for (const SensorGroup& group : sensor_groups()) {
       for (const auto& key : group.keys) {
@@ -251,7 +248,7 @@ dynamic_reconfigure::ParamDescription described(const OutputItem& item) {
 std::vector<ChangeableOutput> changeable_outputs(const Config& config, ReconfigureNames names) {
   std::vector<ChangeableOutput> outputs;
   for (const auto& merged : config.merged_scans) outputs.push_back(merged_output(merged, config, names));
-  for (const auto& group : config.virtual_scans) outputs.push_back(virtual_output(group, config, names));
+  for (const auto& group : config.virtual_scans) outputs.push_back(virtual_output(group, names));
   std::set<std::string> used;
   for (ChangeableOutput& output : outputs) {
     output.server = output.id.entry;

@@ -83,10 +83,11 @@ struct Server : std::enable_shared_from_this<Server> {
   /// A reload may come before the task runs.
   void apply() {
     const auto unless_retired = [this](auto task) {
-      post(output.worker, [weak = weak_from_this(), task](auto& to, Stamp) {
-        const auto self = weak.lock();
-        if (self != nullptr && !self->retired) task(to);
-      });
+      post(output.sensor ? output.sensor->name : std::string(),
+           [weak = weak_from_this(), task](auto& to, Stamp) {
+             const auto self = weak.lock();
+             if (self != nullptr && !self->retired) task(to);
+           });
     };
     if (output.sensor) return unless_retired([wanted = *output.sensor](auto& to) { to.set_sensor(wanted); });
     unless_retired([id = output.id, config = output.config](auto& to) { to.set_output(id, config); });

@@ -2,13 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/ros/master/thread_watch.h"
 
-#include <pthread.h>
 #include <ros/callback_queue.h>
 #include <ros/init.h>
 #include <ros/poll_manager.h>
 #include <ros/xmlrpc_manager.h>
 
 #include <utility>
+
+#include "daemon/live/thread_priority.h"
 
 namespace ros {
 // Exported, but in no header; roscpp's own transport_publisher_link.cpp declares it in the same way.
@@ -33,8 +34,6 @@ constexpr Names names[] = {{"lidard-ros", "the ROS thread"},
                            {"lidard-master", "the thread that talks to the ROS master"}};
 
 }  // namespace
-
-void name_this_thread(const char* name) { pthread_setname_np(pthread_self(), name); }
 
 void ThreadWatch::Rounds::tick(Thread thread) {
   thread_local bool named = false;

@@ -13,9 +13,6 @@
 
 namespace lidard {
 
-/// Sets the name that `top -H` shows for the calling thread; at most 15 characters.
-void name_this_thread(const char* name);
-
 /// Reports the stalled threads between the daemon and ROS, for a watchdog: own threads and those of roscpp.
 /// Each of them makes about ten rounds per second, also when it has nothing to do.
 class ThreadWatch {

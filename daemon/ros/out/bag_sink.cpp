@@ -66,7 +66,7 @@ void BagSink::transforms(const std::vector<StaticTransform>& transforms, Stamp r
     write("/tf_static", released, transforms_maker()->make(transforms, released, clock_), true);
 }
 
-void BagSink::diagnostics(const std::vector<DiagnosticItem>& items, Stamp released, Worker) {
+void BagSink::diagnostics(const std::vector<DiagnosticItem>& items, Stamp released) {
   if (items.empty()) return;
   diagnostic_msgs::DiagnosticArray message;
   to_ros(items, "lidard", clock_.host(released), message);

@@ -31,7 +31,7 @@ class BagSink : public DiagnosticSink {
 
   void publish(const OutputTopic& topic, const Payload& payload, Stamp released) override;
   void transforms(const std::vector<StaticTransform>& transforms, Stamp released) override;
-  void diagnostics(const std::vector<DiagnosticItem>& items, Stamp released, Worker) override;
+  void diagnostics(const std::vector<DiagnosticItem>& items, Stamp released) override;
   /// The outline of the vehicle, if it has one.
   void outline(const VehicleConfig& vehicle, Stamp released);
 

@@ -10,8 +10,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "daemon/live/wait_until.h"
 #include "daemon/pipeline/log.h"
-#include "daemon/ros/master/wait_until.h"
 #include "drivers/net/wall_clock.h"
 
 namespace lidard {
@@ -165,12 +165,15 @@ PublisherThread::Output& PublisherThread::add_output(const std::string& topic,
   return outputs_.emplace_back(topic, std::move(maker), block_ ? least_depth : depth);
 }
 
-void PublisherThread::set_topics(Worker worker, const std::vector<OutputTopic>& topics) {
+void PublisherThread::Sink::set_topics(const std::vector<OutputTopic>& topics) {
+  publisher_.set_topics(*this, topics, outputs_);
+}
+
+void PublisherThread::set_topics(const Sink& sink, const std::vector<OutputTopic>& topics,
+                                 std::vector<Output*>& outputs) {
   const std::lock_guard lock(mutex_);
-  auto& outputs = outputs_of_topics_[static_cast<std::size_t>(worker)];
-  outputs.assign(topics.size(), nullptr);
+  outputs.clear();
   for (const OutputTopic& topic : topics) {
-    if (topic.worker != worker) continue;
     const MessageRow& row = row_of(topic);
     auto maker = row.maker();
     const auto same = [&](const Output& one) {
@@ -179,12 +182,12 @@ void PublisherThread::set_topics(Worker worker, const std::vector<OutputTopic>& 
     const auto known = std::find_if(outputs_.begin(), outputs_.end(), same);
     Output& output =
         known != outputs_.end() ? *known : add_output(topic.name, std::move(maker), row.queue_depth);
-    output.worker = worker;
-    outputs.at(topic.id) = &output;
+    output.sink = &sink;
+    outputs.push_back(&output);
   }
   // Set once, since advertise() may run at the same time.
   for (Output& output : outputs_) {
-    if (output.worker == worker && &output != &tf_ && &output != &clock_)
+    if (output.sink == &sink)
       output.wanted = std::find(outputs.begin(), outputs.end(), &output) != outputs.end();
   }
 }
@@ -224,10 +227,10 @@ void PublisherThread::push(Output& output, const Payload& payload, Stamp release
   filled_.notify_one();
 }
 
-void PublisherThread::skip(const OutputTopic& topic, Stamp released) {
+void PublisherThread::skip(Output& output, Stamp released) {
   ++(ready_ ? published_ : without_ros_);
   const std::lock_guard lock(mutex_);
-  output_of(topic).watch.released(released);
+  output.watch.released(released);
 }
 
 /// The oldest frame; nullptr if none came for a while, or after stop().

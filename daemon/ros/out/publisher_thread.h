@@ -4,7 +4,6 @@
 
 #include <ros/publisher.h>
 
-#include <array>
 #include <atomic>
 #include <boost/shared_array.hpp>
 #include <condition_variable>
@@ -32,37 +31,58 @@ namespace lidard {
 ros::Publisher make_publisher(const std::string& topic, const MessageType& type, std::size_t queue_size,
                               bool latched, const ros::SubscriberStatusCallback& on_subscriber = {});
 
-/// Publishes the frames of all workers: a bounded queue for each topic, its publisher, and a thread that
+/// Publishes the frames of all sinks: a bounded queue for each topic, its publisher, and a thread that
 /// converts and publishes in the order in which the frames came. Live, what has waited for a second makes
-/// room for what comes. Frames and their buffers are recycled: no allocation after warm-up. The calls of
-/// FrameSink never wait (unless Backpressure::block); those on the topics of a worker come from its thread.
-class PublisherThread final : public DiagnosticSink {
+/// room for what comes. Frames and their buffers are recycled: no allocation after warm-up.
+class PublisherThread {
+  struct Output;
+
  public:
-  using OnDiagnostics = std::function<void(Worker, const std::vector<DiagnosticItem>&)>;
+  /// `sink`: its number, in the order of add_sink().
+  using OnDiagnostics = std::function<void(std::size_t sink, const std::vector<DiagnosticItem>&)>;
+
+  /// What the pipeline of one thread publishes through; all calls come from that thread and never wait,
+  /// unless Backpressure::block.
+  class Sink final : public DiagnosticSink {
+   public:
+    Sink(PublisherThread& publisher, std::size_t number) : publisher_(publisher), number_(number) {}
+
+    /// From the next call of publish() on the topics are these, by OutputTopic::id. A topic that stays, also
+    /// from another sink, keeps its queue, its figures and its subscribers.
+    void set_topics(const std::vector<OutputTopic>& topics);
+    /// Swaps the points_bytes of a cloud with a recycled buffer.
+    void publish(const OutputTopic& topic, const Payload& payload, Stamp released) override {
+      publisher_.push(output_of(topic), payload, released);
+    }
+    bool wants(const OutputTopic& topic) const override { return publisher_.wants(output_of(topic)); }
+    void skip(const OutputTopic& topic, Stamp released) override {
+      publisher_.skip(output_of(topic), released);
+    }
+    void transforms(const std::vector<StaticTransform>& transforms, Stamp released) override {
+      publisher_.push(publisher_.tf_, transforms, released);
+    }
+    void diagnostics(const std::vector<DiagnosticItem>& items, Stamp) override {
+      publisher_.on_diagnostics_(number_, items);
+    }
+
+   private:
+    Output& output_of(const OutputTopic& topic) const { return *outputs_[topic.id]; }
+
+    PublisherThread& publisher_;
+    const std::size_t number_;
+    std::vector<Output*> outputs_;  // by OutputTopic::id
+  };
 
   /// `watch` must outlive this.
   PublisherThread(const RosOptions& options, ThreadWatch& watch, OnDiagnostics on_diagnostics);
-  ~PublisherThread() override { stop(); }
+  ~PublisherThread() { stop(); }
 
-  /// From the next call of publish() on the topics of the worker are those among these. A topic that stays
-  /// keeps its queue, its figures and its subscribers.
-  void set_topics(Worker worker, const std::vector<OutputTopic>& topics);
+  /// Call it before start().
+  Sink& add_sink() { return sinks_.emplace_back(*this, sinks_.size()); }
   void start();
   /// Publishes nothing any more.
   void stop();
 
-  /// Swaps the points_bytes of a cloud with a recycled buffer.
-  void publish(const OutputTopic& topic, const Payload& payload, Stamp released) override {
-    push(output_of(topic), payload, released);
-  }
-  bool wants(const OutputTopic& topic) const override { return block_ || *output_of(topic).has_subscribers; }
-  void skip(const OutputTopic& topic, Stamp released) override;
-  void transforms(const std::vector<StaticTransform>& transforms, Stamp released) override {
-    push(tf_, transforms, released);
-  }
-  void diagnostics(const std::vector<DiagnosticItem>& items, Stamp, Worker worker) override {
-    on_diagnostics_(worker, items);
-  }
   /// The time of a replay, on /clock.
   void publish_clock(Stamp now) { push(clock_, now, now); }
 
@@ -91,7 +111,6 @@ class PublisherThread final : public DiagnosticSink {
   std::size_t in_flight();
 
  private:
-  struct Output;
   /// A frame that waits for the thread; a Stamp is the time of a replay.
   struct Frame {
     Output* output = nullptr;
@@ -118,7 +137,7 @@ class PublisherThread final : public DiagnosticSink {
         queue_size;  // messages that roscpp keeps for a slow subscriber before it drops the oldest
     // Shared with roscpp, which may outlive this.
     const std::shared_ptr<std::atomic<bool>> has_subscribers = std::make_shared<std::atomic<bool>>(false);
-    Worker worker = Worker::sensors;
+    const Sink* sink = nullptr;  // that publishes on it; nullptr: this class alone
     std::atomic<bool> wanted{true};
     std::atomic<std::uint64_t> lost{0};  // messages that a subscriber has not got
     std::atomic<std::chrono::steady_clock::time_point> lost_at{std::chrono::steady_clock::time_point()};
@@ -137,13 +156,13 @@ class PublisherThread final : public DiagnosticSink {
     std::optional<RawMessage> latest;                    // of a latched topic
   };
 
+  void set_topics(const Sink& sink, const std::vector<OutputTopic>& topics, std::vector<Output*>& outputs);
   Output& add_output(const std::string& topic, std::unique_ptr<MessageMaker> maker, std::size_t depth);
   std::vector<Output*> outputs();
-  Output& output_of(const OutputTopic& topic) const {
-    return *outputs_of_topics_[static_cast<std::size_t>(topic.worker)][topic.id];
-  }
+  bool wants(const Output& output) const { return block_ || *output.has_subscribers; }
   bool must_drop(const Output& output, Stamp released) const;
   void push(Output& output, const Payload& payload, Stamp released);
+  void skip(Output& output, Stamp released);
   Frame* pop();
   void give_back(Frame& frame, bool is_published);
   TopicFigures figures_of(const Output& output, Stamp now);
@@ -161,8 +180,7 @@ class PublisherThread final : public DiagnosticSink {
   std::condition_variable filled_, emptied_;
   std::deque<Output> outputs_;  // guarded by mutex_, which their addresses do not need
   std::uint64_t pushed_ = 0;    // guarded by mutex_
-  // By worker, whose thread uses it, and OutputTopic::id; nullptr: of the other worker.
-  std::array<std::vector<Output*>, workers> outputs_of_topics_;
+  std::deque<Sink> sinks_;
   Output &tf_, &clock_;
   std::mutex send_mutex_;
   std::atomic<bool> ready_{false}, stopping_{false};

@@ -53,7 +53,7 @@ DiagnosticItem status_after(double seconds, double yaw_deg, double x) {
     now = now + std::chrono::milliseconds(40);
     pipeline.tick(now);
   }
-  sink.diagnostics(items_of(pipeline, now), now, Worker::sensors);
+  sink.diagnostics(items_of(pipeline, now), now);
   return sink.item("merged around");
 }
 

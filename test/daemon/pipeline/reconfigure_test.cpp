@@ -9,8 +9,8 @@
 #include <functional>
 #include <sstream>
 
-#include "daemon/config/workers.h"
 #include "daemon/health/pipeline_health.h"
+#include "daemon/live/division.h"
 #include "daemon/pipeline/pipeline.h"
 #include "drivers/capture/pcap_source.h"
 #include "test/support/captures.h"
@@ -50,8 +50,7 @@ void play(const std::function<void(std::size_t, const Packet&)>& each) {
 }
 
 struct Played {
-  explicit Played(Config first, Worker worker = Worker::sensors)
-      : config(std::move(first)), pipeline(config, none, sink, worker) {}
+  explicit Played(Config first) : config(std::move(first)), pipeline(config, none, sink) {}
   Config config;
   NoTransforms none;
   test::RecordingSink sink;
@@ -172,17 +171,16 @@ TEST(PipelineReconfigure, WhatIsNewHasASecondToDeliverAndTheRestHasNone) {
   EXPECT_EQ(health(4000), "sensor a bad, sensor b bad, merged m bad, ");
 }
 
-TEST(TwoWorkers, GiveWhatOnePipelineGives) {
+TEST(Division, GivesWhatOnePipelineGives) {
   const std::string text =
       with(demo(), "virtual_scans:",
            "  mixed: {laserscan_topics: [front_left, bumper], profile: flatten}\nvirtual_scans:");
   Played all(parse_config(text, "demo"));
   play([&](std::size_t, const Packet& packet) { all.pipeline.packet(packet); });
-  Config config = all.config;
-  assign_workers(config);
-  Played planes(config), clouds(config, Worker::clouds);
-  clouds.pipeline.set_hand_over([&](std::size_t source, const PlanarScan& scan, Stamp now) {
-    planes.pipeline.handed_over(source, scan, now);
+  const Division division(all.config);
+  Played planes(division.planes), clouds(division.clouds);
+  clouds.pipeline.set_forward([&](const std::string& source, const PlanarScan& scan, Stamp now) {
+    planes.pipeline.forwarded_scan(source, scan, now);
   });
   play([&](std::size_t, const Packet& packet) {
     const bool of_planes = packet.to.port == 6060;
@@ -194,7 +192,7 @@ TEST(TwoWorkers, GiveWhatOnePipelineGives) {
     expect_same(all.sink, planes.sink, topic);
   for (const char* topic : {"roof/points", "bumper", "chest"}) expect_same(all.sink, clouds.sink, topic);
   EXPECT_EQ(planes.pipeline.status(planes.pipeline.now()).sensors.size(), 2U)
-      << "what is handed over is no lidar";
+      << "what is forwarded is no lidar";
   EXPECT_EQ(planes.pipeline.static_transforms().size(), all.pipeline.static_transforms().size());
 }
 

@@ -44,7 +44,7 @@ class Bags : public testing::Test {
       sink.publish(test::front_echoes, sample_scan(), released);
       auto cloud = sample_cloud(1000);
       sink.publish(test::roof_points, cloud, released);
-      sink.diagnostics({{"front", "SN1", Health::ok, "fine", {}}}, released, Worker::sensors);
+      sink.diagnostics({{"front", "SN1", Health::ok, "fine", {}}}, released);
     }
     sink.close();
     EXPECT_EQ(sink.messages(), static_cast<std::size_t>(1 + 4 * frames));

@@ -22,22 +22,24 @@ using test::sample_scan;
 struct Bench {
   explicit Bench(Backpressure backpressure = Backpressure::drop_oldest) {
     options.backpressure = backpressure;
-    publisher.emplace(options, watch, [](Worker, const auto&) {});
-    publisher->set_topics(Worker::sensors, test::sample_topics());
+    publisher.emplace(options, watch, [](std::size_t, const auto&) {});
+    sink = &publisher->add_sink();
+    sink->set_topics(test::sample_topics());
   }
-  void push_scan(Span released) { publisher->publish(test::front_scan, sample_scan(), Stamp{} + released); }
+  void push_scan(Span released) { sink->publish(test::front_scan, sample_scan(), Stamp{} + released); }
   std::uint64_t dropped(const OutputTopic& topic) { return publisher->figures(topic.name, Stamp{}).dropped; }
 
   RosOptions options;
   ThreadWatch watch;
   std::optional<PublisherThread> publisher;
+  PublisherThread::Sink* sink = nullptr;
 };
 
 TEST(PublisherThread, DropsTheOldestAndCountsItWhenTheSensorThreadIsFaster) {
   Bench bench;
   for (int i = 1; i <= 5; ++i) {
     Cloud cloud = sample_cloud(1);
-    bench.publisher->publish(test::roof_points, cloud, Stamp{i});
+    bench.sink->publish(test::roof_points, cloud, Stamp{i});
   }
   EXPECT_EQ(bench.dropped(test::roof_points), 3U);
   EXPECT_EQ(bench.publisher->dropped(), 3U);
@@ -64,9 +66,9 @@ TEST(PublisherThread, KeepsNoScanThatIsASecondOldAndAtMostAHundred) {
 TEST(PublisherThread, LetsAnImuRunAheadFurtherThanAFix) {
   Bench bench;
   for (int i = 0; i < 58; ++i)
-    bench.publisher->publish(test::roof_imu, DeviceMessage(test::sample_imu()), Stamp{i});
+    bench.sink->publish(test::roof_imu, DeviceMessage(test::sample_imu()), Stamp{i});
   for (int i = 0; i < 5; ++i)
-    bench.publisher->publish(test::roof_fix, DeviceMessage(test::sample_fix()), Stamp{i});
+    bench.sink->publish(test::roof_fix, DeviceMessage(test::sample_fix()), Stamp{i});
   EXPECT_EQ(bench.dropped(test::roof_imu), 8U);
   EXPECT_EQ(bench.dropped(test::roof_fix), 3U);
 }
@@ -78,7 +80,7 @@ TEST(PublisherThread, LeavesTheCallerABufferForTheNextCloudAndNeedsNoNewOneAfter
   for (int i = 0; i < 20; ++i) {
     const auto size = cloud.points_bytes.size();
     buffers.insert(cloud.points_bytes.data());
-    bench.publisher->publish(test::roof_points, cloud, Stamp{i});
+    bench.sink->publish(test::roof_points, cloud, Stamp{i});
     cloud.points_bytes.resize(size);
   }
   EXPECT_LE(buffers.size(), 4U) << "the caller's and those of two frames that wait and one that is published";
@@ -101,13 +103,13 @@ TEST(PublisherThread, MakesAReplayWaitUntilThereIsRoomAndLetsItGoWhenStopped) {
 
 TEST(PublisherThread, MeasuresTheRatesOfAReplayInTheTimeOfTheCapture) {
   Bench bench(Backpressure::block);
-  for (std::int64_t i = 0; i < 5; ++i) bench.publisher->skip(test::roof_points, Stamp{i * 100'000'000});
+  for (std::int64_t i = 0; i < 5; ++i) bench.sink->skip(test::roof_points, Stamp{i * 100'000'000});
   EXPECT_EQ(bench.publisher->figures("roof/points", Stamp{std::chrono::hours(100'000) / 1ns}).rate_hz, 10);
 }
 
 TEST(PublisherThread, CountsAFrameThatNobodyWantsAndHoldsNothingOfIt) {
   Bench bench;
-  for (std::int64_t i = 0; i < 5; ++i) bench.publisher->skip(test::roof_points, Stamp{i * 100'000'000});
+  for (std::int64_t i = 0; i < 5; ++i) bench.sink->skip(test::roof_points, Stamp{i * 100'000'000});
   const TopicFigures figures = bench.publisher->figures("roof/points", Stamp{500'000'000});
   EXPECT_EQ(figures.frames, 5U);
   EXPECT_EQ(figures.rate_hz, 10);

@@ -62,7 +62,7 @@ bool soon(Condition condition, std::chrono::milliseconds limit = 20s) {
 }
 
 bool have_subscribers(RosConnection& connection, std::size_t count) {
-  return soon([&] { return connection.sink().subscribers() >= count; }, 30s);
+  return soon([&] { return connection.publisher().subscribers() >= count; }, 30s);
 }
 
 TEST(RosConnection, PublishesScansEchoesCloudsAndLatchedTransforms) {
@@ -141,8 +141,8 @@ TEST(RosConnection, ReceivesWithoutAMasterAndPublishesSoonAfterItCame) {
     RosConnection connection({}, sample_topics());
     connection.start();
     publish_for(connection, 300ms);
-    EXPECT_FALSE(connection.sink().ready());
-    EXPECT_TRUE(soon([&] { return connection.sink().without_ros() > 1; }));
+    EXPECT_FALSE(connection.publisher().ready());
+    EXPECT_TRUE(soon([&] { return connection.publisher().without_ros() > 1; }));
     master.start();
     const test::Starved starved;
     const auto begin = SteadyClock::now();
@@ -165,7 +165,7 @@ TEST(RosConnection, RegistersAgainAtAMasterThatWasRestarted) {
     master.kill();
     publish_for(connection, 200ms);
     ASSERT_TRUE(connection.flush(30s));
-    const std::size_t sent = connection.sink().published();
+    const std::size_t sent = connection.publisher().published();
     EXPECT_GT(sent, 1U);
     EXPECT_EQ(early.take(sent).size(), sent) << "a connection that exists must not suffer";
     master.start();
@@ -195,7 +195,7 @@ TEST(RosConnection, IsNotDisturbedByAMasterThatHangs) {
     }
     EXPECT_LT(longest, surely_not_hanging + starved.time());
     ASSERT_TRUE(connection.flush(30s));
-    const std::size_t sent = connection.sink().published();
+    const std::size_t sent = connection.publisher().published();
     EXPECT_GT(sent, 50U);
     EXPECT_EQ(listener.take(sent).size(), sent);
     EXPECT_TRUE(soon([&] { return !connection.has_master(); }));
@@ -214,7 +214,7 @@ TEST(RosConnection, WantsACloudWhileSomebodySubscribesAndCountsThoseThatNobodyGe
     FrameSink& sink = connection.sink();
     EXPECT_FALSE(sink.wants(test::roof_points));
     sink.skip(test::roof_points, Stamp{1});
-    EXPECT_EQ(connection.sink().without_ros(), 1U);
+    EXPECT_EQ(connection.publisher().without_ros(), 1U);
     master.start();
     connection.start();
     EXPECT_TRUE(soon([&] { return sink.wants(test::roof_points); }));
@@ -222,8 +222,8 @@ TEST(RosConnection, WantsACloudWhileSomebodySubscribesAndCountsThoseThatNobodyGe
     listener.reset();
     EXPECT_TRUE(soon([&] { return !sink.wants(test::roof_points); }));
     sink.skip(test::roof_points, Stamp{2});
-    EXPECT_EQ(connection.sink().published(), 1U);
-    EXPECT_EQ(connection.sink().figures("roof/points", Stamp{2}).frames, 2U);
+    EXPECT_EQ(connection.publisher().published(), 1U);
+    EXPECT_EQ(connection.publisher().figures("roof/points", Stamp{2}).frames, 2U);
     EXPECT_TRUE(connection.stop());
   });
 }
@@ -261,7 +261,7 @@ TEST(RosConnection, ShowsDiagnosticsToRostopic) {
     ASSERT_TRUE(connection.wait_for_master(30s));
     connection.sink().diagnostics(
         {{"front", "SN42", Health::warn, "no data for 2 s; check the cable", {{"IP Port", "6060"}}}},
-        Stamp{1}, Worker::sensors);
+        Stamp{1});
     std::string text;
     // The first messages only say that the node starts.
     for (int i = 0; i < 10 && text.find("SN42") == std::string::npos; ++i)
@@ -285,7 +285,7 @@ TEST(RosConnection, CallsItemsOfAThreadThatHangsErrors) {
     connection.start();
     ASSERT_TRUE(connection.wait_for_master(30s));
     for (int i = 0; i < 40; ++i) {
-      connection.sink().diagnostics({{"front", "SN42", Health::ok, "fine", {}}}, Stamp{1}, Worker::sensors);
+      connection.sink().diagnostics({{"front", "SN42", Health::ok, "fine", {}}}, Stamp{1});
       std::this_thread::sleep_for(100ms);
     }
     std::vector<std::string> texts;
@@ -310,7 +310,7 @@ TEST(RosConnection, PublishesTheClockOfAReplay) {
     ASSERT_TRUE(connection.wait_for_master(30s));
     std::vector<rosgraph_msgs::Clock> got;
     for (int i = 0; got.empty() && i < 100; ++i) {
-      connection.sink().publish_clock(Stamp{5'000'000'007});
+      connection.publisher().publish_clock(Stamp{5'000'000'007});
       got = listener.take(1, 50ms);
     }
     ASSERT_FALSE(got.empty());
@@ -355,11 +355,11 @@ TEST(RosConnection, ComesBackWhenSomebodyShutsItsNodeDown) {
       std::string error;
       ASSERT_TRUE(xmlrpc_call(*us, "shutdown", arguments, 500ms, error)) << error;
       EXPECT_TRUE(soon([&] { return connection.foreign_stops() == static_cast<unsigned>(i); }));
-      EXPECT_TRUE(soon([&] { return connection.sink().ready() && ros::ok(); }));
-      const auto before = connection.sink().published();
+      EXPECT_TRUE(soon([&] { return connection.publisher().ready() && ros::ok(); }));
+      const auto before = connection.publisher().published();
       EXPECT_TRUE(soon([&] {
         connection.sink().publish(test::front_scan, sample_scan(), Stamp{1});
-        return connection.sink().published() > before;
+        return connection.publisher().published() > before;
       }));
     }
     MasterClient client({"127.0.0.1", master.port()}, "/test");

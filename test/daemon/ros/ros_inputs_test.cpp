@@ -68,7 +68,7 @@ class Posted {
   Seen seen;
 
   RosPost post() {
-    return [this](Worker, RosTask task) {
+    return [this](const std::string&, RosTask task) {
       const std::lock_guard lock(mutex_);
       waiting_.push_back(std::move(task));
     };
@@ -204,7 +204,7 @@ TEST(RosInputs, DropAndCountWhatASlowSensorThreadDoesNotTake) {
     master.start();
     std::vector<RosTask> never_run;
     std::mutex mutex;
-    Inputs inputs({{"a", "/scan"}}, [&](Worker, RosTask task) {
+    Inputs inputs({{"a", "/scan"}}, [&](const std::string&, RosTask task) {
       const std::lock_guard lock(mutex);
       never_run.push_back(std::move(task));
     });

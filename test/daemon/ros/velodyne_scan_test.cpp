@@ -163,11 +163,12 @@ struct Listening {
   std::vector<RosTask> waiting;
   Stamp now = packets().back().arrival;  // messages come as soon as they are sent
   RosConnection connection{{}, {}};
-  std::shared_ptr<RosInputs> inputs = std::make_shared<RosInputs>(
-      std::vector<TopicSource>{{"roof", "/velodyne_packets", true}}, [this](Worker, RosTask task) {
-        const std::lock_guard lock(mutex);
-        waiting.push_back(std::move(task));
-      });
+  std::shared_ptr<RosInputs> inputs =
+      std::make_shared<RosInputs>(std::vector<TopicSource>{{"roof", "/velodyne_packets", true}},
+                                  [this](const std::string&, RosTask task) {
+                                    const std::lock_guard lock(mutex);
+                                    waiting.push_back(std::move(task));
+                                  });
 
   Listening() {
     connection.add(inputs);
