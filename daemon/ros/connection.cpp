@@ -12,6 +12,7 @@
 
 #include <algorithm>
 
+#include "daemon/live/thread_priority.h"
 #include "daemon/pipeline/log.h"
 #include "daemon/ros/master/master_client.h"
 #include "daemon/ros/messages/convert.h"
@@ -268,9 +269,13 @@ bool RosConnection::start_ros() {
   change_components();
   ros::master::setRetryTimeout(ros::WallDuration(0.2));
   try {
+    // Its threads inherit the name.
+    name_this_thread("roscpp");
     ros::start();
+    name_this_thread("lidard-master");
     callbacks_ = std::make_unique<RosCallbackThread>(watch_);
   } catch (const std::runtime_error& error) {  // of std::thread or boost::thread
+    name_this_thread("lidard-master");
     if (!lacks_threads_.exchange(true)) log_error("ROS cannot start: {}; {}", error.what(), free_threads);
     ros::shutdown();
     return false;
@@ -280,7 +285,7 @@ bool RosConnection::start_ros() {
   publisher_.advertise();
   diagnostics_ = ros::NodeHandle().advertise<diagnostic_msgs::DiagnosticArray>("/diagnostics", 1);
   for (const Component& component : components_) component->connected(*callbacks_);
-  watch_.attach();
+  watch_.set_running(true);
   name_.registered();
   running_ = true;
   registered_ = true;
@@ -290,7 +295,7 @@ bool RosConnection::start_ros() {
 /// `leave`: without roscpp's destructors, which wait for the master.
 void RosConnection::end_ros(bool leave) {
   const ThreadWatch::Call call(watch_);
-  watch_.detach();
+  watch_.set_running(false);
   callbacks_->stop();
   for (const Component& component : components_) component->disconnect(leave);
   if (leave) leave_behind(std::move(callbacks_));

@@ -34,7 +34,7 @@ virtual_scans:
 """
 OURS = [pathlib.Path(LIDARD).name[:15], "lidard-clouds", "lidard-master", "lidard-ros"]
 CALLBACKS = ["lidard-callback"]
-ROSCPP = ["roscpp-callback", "roscpp-sockets", "roscpp-xmlrpc"]
+ROSCPP = 3 * ["roscpp"]
 
 
 def expect_threads(child, names, when):

@@ -6,31 +6,31 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
-#include <memory>
 #include <string>
 
 #include "core/base/time.h"
 
 namespace lidard {
 
-/// Reports the stalled threads between the daemon and ROS, for a watchdog: own threads and those of roscpp.
-/// Each of them makes about ten rounds per second, also when it has nothing to do.
+/// Reports the stalled threads between the daemon and ROS, for a watchdog. Each of them makes about ten
+/// rounds per second, also when it has nothing to do.
 class ThreadWatch {
   using Clock = std::chrono::steady_clock;
 
  public:
-  /// `sockets`, `server` and `internal` are roscpp's.
-  enum Thread : std::size_t { publishing, callbacks, sockets, server, internal, master };
+  ThreadWatch() {
+    for (auto& at : last_) at = Clock::now();
+  }
+
+  enum Thread : std::size_t { publishing, callbacks, master };
 
   /// A round of the calling thread; the first one gives the thread its name.
-  void tick(Thread thread) { rounds_->tick(thread); }
-  /// Time since the last round of an own thread.
-  Span since_tick(Thread thread) const { return Clock::now() - rounds_->last[thread].load(); }
+  void tick(Thread thread);
+  /// Time since the last round of a thread.
+  Span since_tick(Thread thread) const { return Clock::now() - last_[thread].load(); }
 
-  /// To be called after each ros::start(), which forgets what was attached before; may wait for the master.
-  void attach();
-  /// To be called before ros::shutdown().
-  void detach() { attached_ = false; }
+  /// The thread for callbacks exists while ROS runs.
+  void set_running(bool runs) { runs_ = runs; }
 
   /// While it lives, the master thread is in a call that may wait for the master. Calls may nest.
   class Call {
@@ -47,29 +47,18 @@ class ThreadWatch {
     const Clock::time_point outer_;
   };
 
-  /// The threads that have not made a round since the last call that returned "". Threads of roscpp count
-  /// while they are attached. They and the master thread count only while the master answers: otherwise any
-  /// of them may wait for it. None counts during a long Call, since roscpp holds its locks then. Always to be
-  /// called by the same thread.
+  /// The threads that have not made a round since the last call that returned "". The master thread counts
+  /// only while the master answers: otherwise it may wait for it. None counts during a long Call, since
+  /// roscpp holds its locks then. Always to be called by the same thread.
   std::string standing(bool master_answers);
 
  private:
   static constexpr std::size_t threads = master + 1;
-  struct Rounds {
-    Rounds() {
-      for (auto& at : last) at = Clock::now();
-    }
-    void tick(Thread thread);
-    std::array<std::atomic<std::uint64_t>, threads> counts{};
-    std::array<std::atomic<Clock::time_point>, threads> last;
-    std::atomic<bool> callback_waits{false};
-  };
-  class ServerRound;
-  class InternalRound;
 
-  std::shared_ptr<Rounds> rounds_ = std::make_shared<Rounds>();
+  std::array<std::atomic<std::uint64_t>, threads> rounds_{};
+  std::array<std::atomic<Clock::time_point>, threads> last_;
   std::atomic<Clock::time_point> called_{Clock::time_point()};
-  std::atomic<bool> attached_{false};
+  std::atomic<bool> runs_{false};
   std::array<std::uint64_t, threads> before_{};
 };
 
