@@ -43,6 +43,12 @@ void log_event(const Event& event) {
   log_line(level, event.source + ": " + event.text);
 }
 
+void log_remarks(const Config& config) {
+  for (const auto* list : {&config.warnings, &config.host_remarks}) {
+    for (const auto& remark : *list) log_warn("{}", remark);
+  }
+}
+
 /// The configuration with its work divided.
 std::shared_ptr<const Config> divided(Config config) {
   assign_workers(config);
@@ -211,7 +217,7 @@ class Daemon {
   }
   /// Switches both workers in order, each in its own thread.
   void change(std::shared_ptr<const Config> config, Stamp now) {
-    for (const auto& warning : config->warnings) log_warn("{}", warning);
+    log_remarks(*config);
     try {
       start_clouds(*config);
       ros_.change(*config_, *config);
@@ -347,7 +353,7 @@ class Daemon {
 
   std::shared_ptr<const Config> config_;
   const LastGood last_good_;
-  std::string trouble_;  // why config_ is not the content of the file; empty: it is
+  std::string trouble_;   // why config_ is not the content of the file; empty: it is
   std::string not_kept_;  // why config_ could not be stored; empty: it is
   std::uint64_t reloads_ = 0;
   std::thread reader_;  // joinable during a reload
@@ -384,7 +390,7 @@ int run_daemon(const Config& config, RosOptions ros, std::ostream& err, const st
   prefer_this_thread();
   try {
     ros.longest_report_age = longest_report_age;
-    for (const auto& warning : config.warnings) log_warn("{}", warning);
+    log_remarks(config);
     Daemon daemon(config, ros, trouble);
     bool left = false;
     const int code = daemon.run(left);

@@ -191,6 +191,7 @@ struct Config {
   std::vector<VirtualScanConfig> virtual_scans;
   BlackBoxConfig black_box;
   std::vector<std::string> warnings;      ///< `file:line:column: what`, to be shown once
+  std::vector<std::string> host_remarks;  ///< the same of this host's network, for what talks to sensors
   Worker cloud_worker = Worker::sensors;  ///< makes merged clouds and virtual scans, see assign_workers()
 
   const SensorConfig* find_sensor(const std::string& name) const;

@@ -70,6 +70,8 @@ def refuses(tmp, demo):
     expect(result.returncode == 1 and "--start 9: the bag ends before" in result.stderr, result.stderr)
     result = run("replay", "-c", write(tmp / "looped.yaml", MERGE), "--pcap", demo, "--loop")
     expect(result.returncode == 1 and "--loop" in result.stderr, result.stderr)
+    result = run("replay", "-c", DEMO, "--pcap", CAPTURE, "--loop", "--motion", tmp / "none.csv")
+    expect(result.returncode == 1 and "none.csv: cannot be opened" in result.stderr, result.stderr)
     half = tmp / "half.bag"
     half.write_bytes(demo.read_bytes()[:1_000_000])
     result, _ = replay(tmp, "cut", MERGE, half)

@@ -197,15 +197,24 @@ std::vector<StampedPose> BagPoses::track() {
 
 bool BagPoses::lookup(const std::string& parent, const std::string& child, Stamp stamp, Pose& pose,
                       std::string& why_not) {
-  return is_there_ ? BufferPoses::lookup(parent, child, stamp, pose, why_not)
+  return is_there_ ? BufferPoses::lookup(parent, child, stamp - shift_, pose, why_not)
                    : NoTransforms().lookup(parent, child, stamp, pose, why_not);
 }
 
-void BagPoses::feed(Pipeline& pipeline, Stamp until) {
+void BagPoses::history(const std::string& parent, const std::string& child, Stamp after, Stamp until,
+                       std::vector<StampedPose>& poses) {
+  const std::size_t before = poses.size();
+  BufferPoses::history(parent, child, after - shift_, until - shift_, poses);
+  for (std::size_t i = before; i < poses.size(); ++i) poses[i].stamp = poses[i].stamp + shift_;
+}
+
+void BagPoses::feed(Pipeline& pipeline, Stamp until, Span shift) {
+  if (shift_ != shift) next_ = 0;
+  shift_ = shift;
   if (vehicle_.odometry_topic.empty()) return;
-  for (; next_ < odometry_.size() && odometry_[next_].stamp <= until; ++next_) {
+  for (; next_ < odometry_.size() && odometry_[next_].stamp + shift <= until; ++next_) {
     const auto& [stamp, pose] = odometry_[next_];
-    pipeline.pose_message(stamp, pose, child_, stamp);
+    pipeline.pose_message(stamp + shift, pose, child_, stamp + shift);
   }
 }
 
