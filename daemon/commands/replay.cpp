@@ -47,7 +47,8 @@ struct Replay {
   Pipeline pipeline;
   Player player;
 
-  /// Plays and prints the outputs; `on_time` is called before every packet. False if an output never came.
+  /// Plays and prints the outputs; `on_time` is called before every packet. False if an output never came, or
+  /// a bag is damaged.
   bool play(const std::function<void(Stamp)>& on_time, std::ostream& out, std::ostream& err) {
     bool first = true;
     player.on_time = [&](Stamp stamp) {
@@ -62,10 +63,12 @@ struct Replay {
       player.play(stopped);
     if (const std::string why = player.why_nothing(); !why.empty()) throw std::runtime_error(why);
     report(out, err);
+    const bool is_damaged = topics && !topics->damage().empty();
+    if (is_damaged) err << topics->damage() << "; the messages up to there were played\n";
     const auto outputs = pipeline.output_report();
     print_outputs("output", outputs, out);
     // A replay that was stopped early may lack outputs.
-    return stopped() || all_came(outputs);
+    return !is_damaged && (stopped() || all_came(outputs));
   }
 
   void report(std::ostream& out, std::ostream& err) const {

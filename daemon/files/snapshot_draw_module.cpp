@@ -47,7 +47,7 @@ Color color_of(SnapshotView::Role role, std::size_t number) {
 double round_step(double rough) {
   const double power = std::pow(10, std::floor(std::log10(rough)));
   const double lead = rough / power;
-  return power * (lead < 1.5 ? 1 : lead < 3.5 ? 2 : lead < 7.5 ? 5 : 10);
+  return power * (lead < 1.4 ? 1 : lead < 2.9 ? 2 : lead < 7 ? 5 : 10);
 }
 
 std::string meters(double length) { return printed("%.6g m", length); }
@@ -64,7 +64,7 @@ constexpr double legend_width = 264;
 constexpr std::size_t legend_columns = 40;  // letters of a line, beside the symbols
 constexpr double name_height = 19, line_height = 17, row_gap = 9;
 constexpr double margin = 20;
-constexpr double least_ring_gap = 60;
+constexpr double least_ring_gap = 55;
 
 /// One row of the legend.
 struct LegendRow {

@@ -76,6 +76,7 @@ def refuses(tmp, demo):
     half.write_bytes(demo.read_bytes()[:1_000_000])
     result, _ = replay(tmp, "cut", MERGE, half)
     expect(result.returncode == 1 and "half.bag: " in result.stderr, result.stderr)
+    expect("rosbag reindex" in result.stderr, result.stderr)
     other = write(tmp / "bag.pcap", "#ROSBAG V2.0\n" + 200 * "x")
     result = run("inspect", other)
     expect(result.returncode == 1 and "is a bag" in result.stderr, result.stderr)
@@ -87,6 +88,17 @@ def refuses(tmp, demo):
             messages.write(topic, message, time)
     result, _ = replay(tmp, "bad_out", MERGE, bad)
     expect("of no use" in result.stdout, result.stdout + result.stderr)
+
+
+def plays_a_damaged_bag_up_to_its_damage(tmp, demo):
+    whole = demo.read_bytes()
+    broken = tmp / "broken.bag"
+    broken.write_bytes(whole[:len(whole) // 2] + bytes(200_000) + whole[len(whole) // 2 + 200_000:])
+    result, out = replay(tmp, "broken_out", MERGE, broken)
+    expect(result.returncode == 1 and "broken.bag: " in result.stderr and "up to there were played" in result.stderr, result.stderr)
+    before, again = scans(demo, "/scan_strict"), scans(out, "/again_strict")
+    expect(0.2 * len(before) < len(again) < 0.8 * len(before), f"{len(again)} of {len(before)} scans")
+    expect("again_strict" in result.stdout, result.stdout)
 
 
 def plays_into_ros(tmp, demo):
@@ -114,7 +126,7 @@ def main():
         demo = tmp / "demo.bag"
         result = run("replay", "-c", DEMO, "--pcap", CAPTURE, "--rate", "max", "--bag", demo)
         expect(result.returncode == 0, result.stderr)
-        for check in (merges_what_was_recorded, decodes_packets, refuses, plays_into_ros, inspects):
+        for check in (merges_what_was_recorded, decodes_packets, refuses, plays_a_damaged_bag_up_to_its_damage, plays_into_ros, inspects):
             check(tmp, demo)
     print("ok")
 

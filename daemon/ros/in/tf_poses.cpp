@@ -15,6 +15,7 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "daemon/pipeline/log.h"
 #include "daemon/ros/messages/bags_module.h"
 #include "daemon/ros/messages/convert.h"
 
@@ -125,14 +126,17 @@ BagPoses::BagPoses(const std::string& path, const VehicleConfig& vehicle)
 }
 
 void BagPoses::read_bag(const std::string& path) {
-  const auto use_transforms = [this](const tf2_msgs::TFMessage& message, bool is_static) {
+  bool any = false;
+  const auto use_transforms = [&](const tf2_msgs::TFMessage& message, bool is_static) {
+    any = true;
     for (const auto& transform : message.transforms) {
       buffer_.setTransform(transform, "bag", is_static);
       if (!is_static && ros_frame(transform.header.frame_id) == ros_frame(vehicle_.odometry_frame))
         moved_.push_back(clock_->steady(from_ros(transform.header.stamp)));
     }
   };
-  const auto use_odometry = [this](const nav_msgs::Odometry& message) {
+  const auto use_odometry = [&](const nav_msgs::Odometry& message) {
+    any = true;
     const auto& pose = message.pose.pose;
     odometry_.push_back(
         {clock_->steady(from_ros(message.header.stamp)), to_pose(pose.position, pose.orientation)});
@@ -142,6 +146,8 @@ void BagPoses::read_bag(const std::string& path) {
     bags_function<decltype(lidard_read_poses)>("lidard_read_poses")(path, vehicle_.odometry_topic,
                                                                     use_transforms, use_odometry);
   } catch (const std::exception& problem) {
+    if (any && dynamic_cast<const ros::Exception*>(&problem) != nullptr)
+      return log_warn("{}: {}; the poses up to there are used", path, problem.what());
     throw std::runtime_error(path + ": " + problem.what() + "; expected a bag with /tf or the odometry");
   }
 }

@@ -62,7 +62,7 @@ class TfPoses final : public BufferPoses, public RosComponent {
 class BagPoses final : public BufferPoses {
  public:
   /// Reads a bag, or a file whose name ends with .csv. An empty path: there is none, and all poses are
-  /// configured. Throws std::runtime_error that names the file.
+  /// configured. Throws std::runtime_error that names the file; of a damaged bag, the first poses count.
   BagPoses(const std::string& path, const VehicleConfig& vehicle);
   bool lookup(const std::string& parent, const std::string& child, Stamp stamp, Pose& pose,
               std::string& why_not) override;

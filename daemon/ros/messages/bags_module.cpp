@@ -89,10 +89,9 @@ class OpenBags final : public BagReader {
   void open(const std::string& path) {
     try {
       bags_.push_back(std::make_unique<rosbag::Bag>(path, rosbag::bagmode::Read));
-    } catch (const rosbag::BagUnindexedException&) {
-      throw std::runtime_error(path + ": the bag was not closed; run `rosbag reindex` on it");
     } catch (const rosbag::BagException& problem) {
-      throw std::runtime_error(path + ": " + problem.what());
+      throw std::runtime_error(path + ": " + problem.what() +
+                               "; run `rosbag reindex` on a bag that was not closed or was cut off");
     }
   }
 
