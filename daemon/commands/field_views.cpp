@@ -71,6 +71,7 @@ std::vector<SnapshotView> views_of_field(const SnapshotOptions& options, const C
     add_fields(field, frame, view);
     view.title = topic.empty() ? "What the sensors can see" : topic;
     view.framing.half = {range, range};
+    fit_colors(view, false);
     return &view;
   };
   for (const FieldSight& sight : sights_of(config, field)) {

@@ -43,11 +43,11 @@ Color color_of(SnapshotView::Role role, std::size_t number) {
   return ink;
 }
 
-/// 1, 2 or 5 times a power of ten, near to `rough`.
-double round_step(double rough) {
-  const double power = std::pow(10, std::floor(std::log10(rough)));
-  const double lead = rough / power;
-  return power * (lead < 1.4 ? 1 : lead < 2.9 ? 2 : lead < 7 ? 5 : 10);
+/// The least of 1, 2 and 5 times a power of ten that reaches `least`.
+double round_step(double least) {
+  const double power = std::pow(10, std::floor(std::log10(least)));
+  const double lead = least / power;
+  return power * (lead <= 1 ? 1 : lead <= 2 ? 2 : lead <= 5 ? 5 : 10);
 }
 
 std::string meters(double length) { return printed("%.6g m", length); }
@@ -64,7 +64,7 @@ constexpr double legend_width = 264;
 constexpr std::size_t legend_columns = 40;  // letters of a line, beside the symbols
 constexpr double name_height = 19, line_height = 17, row_gap = 9;
 constexpr double margin = 20;
-constexpr double least_ring_gap = 55;
+constexpr double least_ring_gap = 38, most_rings = 5.5;  // pixels; up to the upper edge
 
 /// One row of the legend.
 struct LegendRow {
@@ -131,7 +131,7 @@ struct Layout {
     height = std::round(width / aspect);
     const Eigen::Vector2d& half = view.framing.half;
     const double pixels_per_meter = std::min(height / half.x(), width / half.y()) / 2;
-    ring_step = round_step(std::max(least_ring_gap, height / 2 / 4.5) / pixels_per_meter);
+    ring_step = round_step(std::max(least_ring_gap, height / 2 / most_rings) / pixels_per_meter);
   }
   double legend_left() const { return field_left + width + 22; }
   double page_width() const { return has_legend ? legend_left() + legend_width + 14 : field_left + width; }

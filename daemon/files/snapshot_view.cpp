@@ -270,7 +270,7 @@ std::pair<double, double> narrowest(std::vector<float>& values, double share) {
 /// Fits the ends of the colours to values, and says them.
 std::string fit_scale(std::vector<float>& values, std::pair<double, double>& scale) {
   if (!values.empty()) scale = narrowest(values, 0.96);
-  scale.second = std::max(scale.second, scale.first + 1e-3);
+  scale.second = std::max(scale.second, scale.first + 0.1);
   const auto number = [](double value) {
     return printed(std::abs(value) < 100 ? "%.3g" : "%.0f", std::abs(value) < 5e-4 ? 0.0 : value);
   };

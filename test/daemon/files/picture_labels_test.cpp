@@ -76,8 +76,9 @@ TEST_F(Pictures, HaveAFewRings) {
     int width;
     const char* gap;
   };
-  for (const Case& one : {Case{6, 560, "2 m"}, Case{14, 660, "5 m"}, Case{14, 1200, "5 m"},
-                          Case{2, 0, "0.5 m"}, Case{100, 0, "20 m"}, Case{100, 560, "50 m"}}) {
+  for (const Case& one :
+       {Case{6, 560, "2 m"}, Case{14, 660, "5 m"}, Case{12, 800, "5 m"}, Case{14, 1200, "5 m"},
+        Case{2, 0, "0.5 m"}, Case{100, 0, "20 m"}, Case{100, 560, "50 m"}}) {
     SnapshotView view = empty_view();
     view.framing.half = {one.half, one.half};
     view.framing.width = one.width;
