@@ -107,8 +107,7 @@ struct Commands {
     c->add_option("--duration", replay.duration, "Seconds to play")->check(CLI::NonNegativeNumber);
     c->add_option("--wait", replay.wait, "Seconds from advertising the topics to the first frame")
         ->check(CLI::Range(0.0, 3600.0));
-    c->add_option("--motion", replay.motion,
-                  "With --bag: a bag whose tf or odometry says how the vehicle moved");
+    c->add_option("--motion", replay.motion, "A bag whose tf or odometry says how the vehicle moved");
     c->add_flag("--clock", replay.ros.clock, "Publish /clock");
     c->add_option("--bag", replay.bag, "Write the messages to this new bag instead of ROS");
     c->callback([this] { action = [this] { return start_replay(); }; });
@@ -203,17 +202,18 @@ struct Commands {
     auto* c = app.add_subcommand(
         "snapshot",
         "Draws what the vehicle sees at one moment, from above; without a capture, what it can see");
-    c->add_option("-c,--config", snapshot.config,
-                  "Configuration file; default: the sensors found, all at the origin");
+    c->add_option("-c,--config", snapshot.config, "Configuration; default: the sensors found, at the origin");
     add_captures(c, snapshot.captures)->required(false);
     c->add_option("--at", snapshot.at,
                   "Seconds into the capture; default: its middle, or the first frame after it")
         ->check(CLI::NonNegativeNumber);
     c->add_option("--range", snapshot.range, "Metres from base_frame to the edge; default: fits the scans")
         ->check(CLI::Range(0.5, 10000.0));
-    c->add_option(
-        "--areas", snapshot.areas,
-        "Topic whose free and unknown areas are shaded; default: a merged one, strict before others");
+    c->add_option("--areas", snapshot.areas,
+                  "Topic whose free and unknown areas are shaded; default: a merged one, strict first");
+    c->add_option("--only", snapshot.only, "Topic to draw alone; may be repeated")->allow_extra_args(false);
+    c->add_option("--color", snapshot.color, "What colours mean: height (of clouds alone) or intensity")
+        ->check(CLI::IsMember({"height", "intensity"}));
     c->add_option("--motion", snapshot.motion, "A bag whose tf or odometry says how the vehicle moved");
     c->add_option("--width", snapshot.width, "Pixels of the picture; default: about 1200")
         ->check(CLI::Range(500, 4000));

@@ -24,6 +24,7 @@ _lidard() {
     --calibration) _lidard_files yaml yml xml; return ;;
     --calibration-model) _lidard_words "ros_drivers exact veloview"; return ;;
     --format) _lidard_words "csv pcd json"; return ;;
+    --color) _lidard_words "height intensity"; return ;;
     --rate) _lidard_words "max 1"; return ;;
   esac
   case $command:$word in
@@ -32,7 +33,7 @@ _lidard() {
     decode:-*) _lidard_words "--model --source --port --calibration --calibration-model --format --frame --clock --time --output --help" ;;
     record:*) _lidard_words "--config --output --interface --duration --help" ;;
     calibrate:-*) _lidard_words "--config --pcap --bag --motion --reference --json --output --picture --help" ;;
-    snapshot:-*) _lidard_words "--config --pcap --at --range --areas --motion --width --output --help" ;;
+    snapshot:-*) _lidard_words "--config --pcap --at --range --areas --only --color --motion --width --output --help" ;;
     inspect:-* | models:*) _lidard_words "--json --help" ;;
     keys:*) _lidard_words "--markdown --man --json --help" ;;
     check:-*) _lidard_words "--config --ports --help" ;;

@@ -18,6 +18,7 @@ _lidard() {
     --calibration) _files -g '*.(yaml|yml|xml)(-.)'; return ;;
     --calibration-model) compadd ros_drivers exact veloview; return ;;
     --format) compadd csv pcd json; return ;;
+    --color) compadd height intensity; return ;;
     --motion | --bag) _files -g '*.(bag|csv)(-.)'; return ;;
   esac
   if [[ $PREFIX == -* ]]; then

@@ -258,7 +258,9 @@ int run_check(const std::string& file, std::ostream& out, std::ostream& err) {
   return guarded(err, [&] {
     const std::string text = read_file(file, "a readable YAML file");
     const Config config = parse_config(text, file);
-    for (const std::string& warning : config.warnings) err << warning << '\n';
+    for (const auto* list : {&config.warnings, &config.host_remarks}) {
+      for (const std::string& remark : *list) err << remark << '\n';
+    }
     const EmptyField field(config);
     const std::vector<FieldSight> sights = sights_of(config, field);
     for (const std::string& sentence : Forecast(config, text, sights).all()) err << sentence << '\n';

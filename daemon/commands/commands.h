@@ -107,7 +107,7 @@ struct ReplayOptions {
   Span loop_gap = std::chrono::milliseconds(100);  ///< between the last packet of a round and the next round
   RosOptions ros;
   std::string bag;     ///< output file instead of ROS
-  std::string motion;  ///< with `bag`: a bag with the vehicle's motion (tf or odometry)
+  std::string motion;  ///< a bag with the vehicle's motion (tf or odometry); empty: see `bags`, or live
 };
 
 /// Plays captures through the pipeline of a configuration into ROS or a bag, and prints a table at the end.
@@ -126,12 +126,14 @@ int run_daemon(const std::string& config_file, const std::vector<std::string>& r
 struct SnapshotOptions {
   std::string config;  ///< empty: the sensors that are found in the captures, all at the origin
   std::vector<std::string> captures;
-  std::optional<double> at;     ///< s into the capture; unset: its middle
-  std::optional<double> range;  ///< m from base_frame to the picture's edge; unset: fits the returns
-  std::string areas;            ///< topic whose free and unobserved areas are shaded; empty: see make_view()
-  std::string motion;           ///< a bag with the vehicle's motion (tf or odometry); empty: it stood
-  int width = 0;                ///< pixels of the picture; 0: automatic
-  std::string output;           ///< .png or .svg
+  std::optional<double> at;       ///< s into the capture; unset: its middle
+  std::optional<double> range;    ///< m from base_frame to the picture's edge; unset: fits the returns
+  std::string areas;              ///< topic whose free and unobserved areas are shaded; empty: see ViewChoice
+  std::vector<std::string> only;  ///< topics drawn; empty: all
+  std::string color = "height";   ///< or "intensity": what the colours of returns mean
+  std::string motion;             ///< a bag with the vehicle's motion (tf or odometry); empty: it stood
+  int width = 0;                  ///< pixels of the picture; 0: automatic
+  std::string output;             ///< .png or .svg
 };
 
 /// Plays captures through the pipeline of a configuration up to one moment and draws the frames from above;

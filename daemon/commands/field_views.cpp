@@ -66,14 +66,18 @@ std::vector<SnapshotView> views_of_field(const SnapshotOptions& options, const C
   std::vector<std::string> notes;
   const double range = options.range.value_or(usual_range(config));
   const auto add_view = [&](const std::string& topic, const std::string& frame) {
-    SnapshotView& view = views.emplace_back(make_view(field.config(), field.poses(), field.frames(), topic));
+    SnapshotView& view =
+        views.emplace_back(make_view(field.config(), field.poses(), field.frames(), {topic, options.only}));
     add_fields(field, frame, view);
     view.title = topic.empty() ? "What the sensors can see" : topic;
     view.framing.half = {range, range};
+    fit_colors(view, false);
     return &view;
   };
   for (const FieldSight& sight : sights_of(config, field)) {
-    if (!sight.came || (!options.areas.empty() && options.areas != sight.topic)) continue;
+    const auto& only = options.only;
+    const bool is_wanted = only.empty() || std::count(only.begin(), only.end(), sight.topic) > 0;
+    if (!sight.came || (options.areas.empty() ? !is_wanted : options.areas != sight.topic)) continue;
     add_view(sight.topic, sight.frame)->subtitle = "+inf in an empty field: " + to_text(sight.free);
     for (const Hindrance& one : sight.hindrances)
       notes.push_back(sight.topic + ", " + to_text(one.beams) + ": " + one.sentence + ".");

@@ -36,6 +36,8 @@ class Player {
   Stamp now() const;
   /// Seconds of capture played so far.
   double played_s() const { return seconds(last_ - begin_); }
+  /// From the capture's stamps to those of this round.
+  Span shift() const { return loop_shift_; }
   /// Datagrams before `start`, not played.
   std::uint64_t skipped() const { return skipped_; }
   /// Why nothing was played; empty: something was, or the capture holds nothing.
@@ -84,7 +86,7 @@ class Player {
   };
   Round round_;
   Span restamp_shift_{0};  // from the capture's stamps to those of the first round
-  Span loop_shift_{0};     // from the capture's stamps to those of this round
+  Span loop_shift_{0};     // see shift()
   std::chrono::steady_clock::time_point wall_begin_;
   std::uint64_t skipped_ = 0;
 };

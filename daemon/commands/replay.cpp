@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
@@ -48,7 +49,8 @@ struct Replay {
   HealthReporter reporter{pipeline, sink};
   Player player;
 
-  /// Plays and prints the outputs; `on_time` is called before every packet. False if an output never came.
+  /// Plays and prints the outputs; `on_time` is called before every packet. False if an output never came, or
+  /// a bag is damaged.
   bool play(const std::function<void(Stamp)>& on_time, std::ostream& out, std::ostream& err) {
     bool first = true;
     player.on_time = [&](Stamp stamp) {
@@ -63,10 +65,12 @@ struct Replay {
       player.play(stopped);
     if (const std::string why = player.why_nothing(); !why.empty()) throw std::runtime_error(why);
     report(out, err);
+    const bool is_damaged = topics && !topics->damage().empty();
+    if (is_damaged) err << topics->damage() << "; the messages up to there were played\n";
     const auto outputs = output_reports(pipeline);
     print_outputs("output", outputs, out);
     // A replay that was stopped early may lack outputs.
-    return stopped() || all_came(outputs);
+    return !is_damaged && (stopped() || all_came(outputs));
   }
 
   void report(std::ostream& out, std::ostream& err) const {
@@ -88,7 +92,11 @@ struct Replay {
     for (const auto& sender : pipeline.unclaimed_senders())
       out << "  no sensor is configured for " << sender << '\n';
     for (const auto& sensor : sensors) {
-      for (const auto& warning : sensor.info.warnings) err << sensor.name << ": " << warning << '\n';
+      for (const auto& warning : sensor.info.warnings) {
+        const auto says_it = [&](const std::string& said) { return said.find(warning) != said.npos; };
+        if (std::none_of(config.warnings.begin(), config.warnings.end(), says_it))
+          err << sensor.name << ": " << warning << '\n';
+      }
     }
   }
 };
@@ -135,9 +143,9 @@ int into_ros(const ReplayOptions& options, const Config& config, MergedCapture& 
   boost::asio::io_context messages;  // for the thread of the pipeline (this one)
   const auto more_may_come = boost::asio::make_work_guard(messages);
   RosSession session(config, ros);
-  // What a bag holds, its tf belongs to; live poses are of another time.
+  // What was recorded, recorded poses belong to; live ones are of another time.
   std::optional<BagPoses> recorded;
-  if (!options.bags.empty()) recorded.emplace(motion_of(options), config.vehicle);
+  if (!motion_of(options).empty()) recorded.emplace(motion_of(options), config.vehicle);
   Replay replay(options, config, capture, session.sink(),
                 recorded ? static_cast<TransformSource&>(*recorded) : session.poses());
   session.feed(config, [&](const std::string&, auto task) {
@@ -160,7 +168,7 @@ int into_ros(const ReplayOptions& options, const Config& config, MergedCapture& 
   wait_for_subscribers(options.wait);
   const auto clock = [&](Stamp now) {
     if (ros.clock) session.publisher().publish_clock(now);
-    if (recorded) recorded->feed(replay.pipeline, now);
+    if (recorded) recorded->feed(replay.pipeline, now, replay.player.shift());
   };
   const bool complete = replay.play(clock, out, err);
   const bool flushed = session.flush(patience);

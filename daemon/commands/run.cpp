@@ -41,6 +41,12 @@ void log_event(const Event& event) {
   log_line(level, event.source + ": " + event.text);
 }
 
+void log_remarks(const Config& config) {
+  for (const auto* list : {&config.warnings, &config.host_remarks}) {
+    for (const auto& remark : *list) log_warn("{}", remark);
+  }
+}
+
 /// A running daemon. The constructor's thread is the sensor thread, which does the daemon's own tasks too.
 class Daemon {
  public:
@@ -157,7 +163,7 @@ class Daemon {
   }
   /// Switches both threads in order, each in its own thread.
   void change(const std::shared_ptr<const Division>& next, Stamp now) {
-    for (const auto& warning : next->whole.warnings) log_warn("{}", warning);
+    log_remarks(next->whole);
     try {
       clouds_.start(next->clouds);
       ros_.change(division_->whole, next->whole);
@@ -302,7 +308,7 @@ int run_daemon(const Config& config, RosOptions ros, std::ostream& err, const st
   prefer_this_thread();
   try {
     ros.longest_report_age = longest_report_age;
-    for (const auto& warning : config.warnings) log_warn("{}", warning);
+    log_remarks(config);
     Daemon daemon(config, ros, trouble);
     bool left = false;
     const int code = daemon.run(left);

@@ -150,7 +150,8 @@ SnapshotView view_of(const SnapshotOptions& options, const Scene& scene) {
   const double at = play(options.at, length, scene, capture, motion, frames);
   if (frames.empty()) throw std::runtime_error(nothing_there(scene, options.captures, at, length));
   const FrameTree poses(scene.config, motion);
-  SnapshotView view = make_view(scene.config, poses, frames, options.areas);
+  const bool intensities = options.color == "intensity";
+  SnapshotView view = make_view(scene.config, poses, frames, {options.areas, options.only, intensities});
   if (std::all_of(view.layers.begin(), view.layers.end(), [](const auto& l) { return l.points.empty(); }))
     throw std::runtime_error("there is nothing to draw: " + why_empty(view));
   // The free area of one sensor is meaningless while the other sensors have no poses.
@@ -158,6 +159,7 @@ SnapshotView view_of(const SnapshotOptions& options, const Scene& scene) {
   view.framing = fit_to_points(view);
   view.framing.width = options.width;
   if (options.range) view.framing.center = {0, 0}, view.framing.half = {*options.range, *options.range};
+  fit_colors(view, intensities);
   view.title = scene.title;
   view.notes.insert(view.notes.end(), scene.notes.begin(), scene.notes.end());
   view.subtitle = to_utc(frames.newest()) + ", " + fixed(at, 2) + " s into " +
@@ -175,6 +177,10 @@ int run_snapshot(const SnapshotOptions& options, std::ostream& err) {
   }
   if (options.captures.empty() && options.config.empty()) {
     err << "lidard snapshot: a capture is required, or a configuration (-c)\n";
+    return exit_usage;
+  }
+  if (options.captures.empty() && options.color != "height") {
+    err << "--color " << options.color << ": a capture is required, since a field of view has no returns\n";
     return exit_usage;
   }
   return guarded(err, [&] {

@@ -107,7 +107,7 @@ void print_events(const Json& events, std::ostream& out, bool is_overview) {
 }
 
 void print_topics(const Json& all, std::ostream& out) {
-  // The figures are one cell, so that the line of a long name does not break up between them.
+  // The figures are one cell, whose columns two rows of headings share.
   constexpr const char* figures = "{:>9} {:>7} {:>6} {:>13} {:>18}";
   TextTable table{{"TOPIC", fmt::format(figures, "FRAMES", "DROPPED", "RATE/S", "GAP MS", "LATENCY MS")},
                   {"", fmt::format(figures, "", "", "", "MIN-MAX", "P50/P99/MAX")}};
@@ -120,7 +120,7 @@ void print_topics(const Json& all, std::ostream& out) {
              figure(gap["min"], 1) + "-" + figure(gap["max"], 1),
              figure(latency["p50"], 2) + "/" + figure(latency["p99"], 2) + "/" + figure(latency["max"], 2))});
   }
-  print_columns(table, out, "", overview_width);
+  print_columns(table, out);
 }
 
 bool is_in_error(const Json& said) {

@@ -182,7 +182,8 @@ struct Config {
   std::vector<MergedCloudConfig> merged_clouds;
   std::vector<VirtualScanConfig> virtual_scans;
   BlackBoxConfig black_box;
-  std::vector<std::string> warnings;  ///< `file:line:column: what`, to be shown once
+  std::vector<std::string> warnings;      ///< `file:line:column: what`, to be shown once
+  std::vector<std::string> host_remarks;  ///< the same of this host's network, for what talks to sensors
   /// What a part of a configuration must know of the other parts; a file has none.
   struct Elsewhere {
     std::vector<StaticTransform> poses;  ///< of all parts

@@ -308,7 +308,7 @@ bool is_own(const IpAddress& address) {
   return std::any_of(all.begin(), all.end(), [&](const auto& one) { return one.address == address; });
 }
 
-void question_network(Remarks& remarks) {
+void question_network(Remarks& remarks, std::vector<std::string>& host_remarks) {
   constexpr int first_free_port = 1024;
   const IpAddress nobody = IpAddress::v4(0, 0, 0, 0), everybody = IpAddress::v4(255, 255, 255, 255);
   for (const SensorConfig& sensor : remarks.config.sensors) {
@@ -318,14 +318,17 @@ void question_network(Remarks& remarks) {
       remarks.add(value_at(entry, "ip_address"), "is " + sensor.ip_address->to_string() +
                                                      ", the address of no device; set that of the sensor");
     const auto& receiver = sensor.driver.requests.host_address;
+    const auto remark_on_host = [&](const char* key, const std::string& sentence) {
+      const Value value = value_at(entry, key);
+      host_remarks.push_back(value.key_place().to_string() + ": " + value.path() + " " + sentence);
+    };
     if (receiver && *receiver != nobody && !receiver->is_multicast() && !is_own(*receiver))
-      remarks.add(
-          value_at(entry, "udp_receiver_ip"),
-          "is " + receiver->to_string() + ", which is no address of this host; `ip address` lists those");
+      remark_on_host("udp_receiver_ip", "is " + receiver->to_string() +
+                                            ", which is no address of this host; `ip address` lists those");
     const auto question_port = [&](const char* key, int port) {
       if (port > 0 && port < first_free_port)
-        remarks.add(value_at(entry, key),
-                    "is " + std::to_string(port) + ": ports below 1024 need privileges; set a higher one");
+        remark_on_host(key,
+                       "is " + std::to_string(port) + ": ports below 1024 need privileges; set a higher one");
     };
     if (sensor.model->transport == Transport::udp) question_port("ip_port", sensor.ip_port);
     question_port("telemetry_port", sensor.telemetry_port);
@@ -352,10 +355,10 @@ void question_calibrations(Remarks& remarks) {
 
 void add_remarks(const Value& root, Reading& reading) {
   Remarks remarks{reading.config, root};
-  for (const auto question :
-       {question_footprint, question_places, question_twins, question_tilt, question_heights,
-        question_windows, question_rates, question_network, question_calibrations})
+  for (const auto question : {question_footprint, question_places, question_twins, question_tilt,
+                              question_heights, question_windows, question_rates, question_calibrations})
     question(remarks);
+  question_network(remarks, reading.config.host_remarks);
   question_units(remarks, root);
   remarks.warn(reading);
 }

@@ -370,10 +370,10 @@ int import_file(const ImportOptions& options, std::ostream& err) {
     return exit_failed;
   }
   const std::string text = file_text(options.file, config);
+  parse_config(text, "the configuration");
   TextFile file(options.output);
   file.write(text);
   file.close();
-  parse_config(text, options.output == "-" ? "the configuration" : options.output);
   err << config.entries << (config.entries == 1 ? " entry" : " entries") << "; below the configuration "
       << config.changes.size() << " on what changes for the robot, " << config.stays.size()
       << " on what stays in a launch file, " << config.remarks.size() << " on what is no longer needed\n";

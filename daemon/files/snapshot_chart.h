@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdint>
 #include <initializer_list>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -23,6 +24,20 @@ struct Color {
   double red, green, blue;
   double alpha = 1;
 };
+
+/// The colour of a value between the ends of a scale, 0 ... 1: the map viridis of matplotlib (CC0), whose
+/// steps appear equal and differ in brightness for people with any colour vision; without its end, too bright
+/// on white.
+inline Color scale_color(double share) {
+  constexpr Color steps[] = {{0.267, 0.005, 0.329}, {0.278, 0.173, 0.478}, {0.231, 0.318, 0.545},
+                             {0.173, 0.443, 0.557}, {0.129, 0.565, 0.553}, {0.153, 0.678, 0.506},
+                             {0.361, 0.784, 0.388}, {0.667, 0.863, 0.196}};
+  const double at = std::clamp(share, 0.0, 1.0) * (std::size(steps) - 1);
+  const auto low = std::min(static_cast<std::size_t>(at), std::size(steps) - 2);
+  const double part = at - static_cast<double>(low);
+  const auto mix = [&](double Color::*c) { return steps[low].*c * (1 - part) + steps[low + 1].*c * part; };
+  return {mix(&Color::red), mix(&Color::green), mix(&Color::blue)};
+}
 
 /// A page to draw on, in pixels from its upper left corner. Coordinates in `meters` are in base_frame, whose
 /// x axis points up.
@@ -60,6 +75,7 @@ class Chart {
   void shift(double pixels) {
     cairo_translate(pen_, pixels, 0);
     labels_.clear();
+    marks_.clear();
   }
   double pixels_per_meter() const { return scale_; }
   Eigen::Vector2d to_page(const Eigen::Vector2d& meters) const {
@@ -91,6 +107,7 @@ class Chart {
     for (const Dot& dot : dots) {
       const Eigen::Vector2d p = dot.at - corner_;
       if (!(p.x() >= 0 && p.y() >= 0 && p.x() < width && p.y() < height)) continue;
+      mark(dot.at);
       const Color& c = dot.color;
       const std::uint32_t pixel = 0xff000000U | byte(c.red) << 16U | byte(c.green) << 8U | byte(c.blue);
       for (int y = static_cast<int>(p.y()); y < std::min(height, static_cast<int>(p.y()) + side); ++y) {
@@ -116,8 +133,20 @@ class Chart {
   void rectangle(double x, double y, double width, double height) {
     cairo_rectangle(pen_, x, y, width, height);
   }
-  void move_to(const Eigen::Vector2d& p) { cairo_move_to(pen_, p.x(), p.y()); }
-  void line_to(const Eigen::Vector2d& p) { cairo_line_to(pen_, p.x(), p.y()); }
+  /// Points and lines from now on occupy their places for label_where_free().
+  void begin_marks() { marks_.assign(static_cast<std::size_t>(columns() * (size_.y() / mark_size + 1)), 0); }
+
+  void move_to(const Eigen::Vector2d& p) {
+    cairo_move_to(pen_, p.x(), p.y());
+    mark(p);
+  }
+  void line_to(const Eigen::Vector2d& p) {
+    Eigen::Vector2d from = p;
+    if (cairo_has_current_point(pen_) != 0) cairo_get_current_point(pen_, &from.x(), &from.y());
+    cairo_line_to(pen_, p.x(), p.y());
+    const double parts = marks_.empty() ? 0 : std::ceil((p - from).norm() / mark_size);
+    for (double part = 1; part <= parts; ++part) mark(from + (p - from) * (part / parts));
+  }
   void close() { cairo_close_path(pen_); }
   /// A path through points.
   template <class Points>
@@ -173,7 +202,7 @@ class Chart {
   void label(Eigen::Vector2d p, const std::string& words, double size, const Color& color,
              Align align = Align::left) {
     const double width = text_width(words, size), wanted = p.y();
-    p.x() -= align == Align::left ? 0 : align == Align::middle ? width / 2 : width;
+    p.x() -= align == Align::left ? 0 : width;
     p.x() = std::max(corner_.x() + 3, std::min(p.x(), corner_.x() + size_.x() - width - 3));
     const auto box = [&] {
       return Eigen::AlignedBox2d(p - Eigen::Vector2d(2, size), p + Eigen::Vector2d(width + 2, 3));
@@ -186,11 +215,29 @@ class Chart {
     constexpr int most_steps = 40;
     for (int n = 0; n < most_steps && !is_free(); ++n)
       p.y() = wanted + (n % 2 == 0 ? 1 : -1) * (n / 2 + 1) * size / 2;
-    labels_.push_back(box());
-    cairo_move_to(pen_, tenth(p.x()), tenth(p.y()));
-    cairo_text_path(pen_, words.c_str());
-    stroke({1, 1, 1, 0.85}, 3);
-    text(p, words, size, color);
+    edged_text(p, words, size, color, box());
+  }
+  /// text() with a white edge around the first of `places` where nothing stands, else where the least does,
+  /// but not upon another label; nothing if that is nowhere in the field.
+  void label_where_free(const std::vector<Eigen::Vector2d>& places, const std::string& words, double size,
+                        const Color& color) {
+    const Eigen::AlignedBox2d field(corner_, corner_ + size_);
+    const Eigen::Vector2d half(text_width(words, size) / 2 + 4, size / 2 + 3);
+    std::optional<Eigen::AlignedBox2d> best;
+    std::size_t fewest = 0;
+    for (const Eigen::Vector2d& place : places) {
+      const Eigen::AlignedBox2d box(place - half, place + half);
+      const bool is_taken = std::any_of(labels_.begin(), labels_.end(),
+                                        [&](const auto& other) { return other.intersects(box); });
+      if (is_taken || !field.contains(box)) continue;
+      const std::size_t count = marks_in(box);
+      if (best && count >= fewest) continue;
+      best = box, fewest = count;
+      if (count == 0) break;
+    }
+    if (best)
+      edged_text(best->corner(Eigen::AlignedBox2d::TopLeft) + Eigen::Vector2d(4, -5), words, size, color,
+                 *best);
   }
   double text_width(const std::string& words, double size, bool bold = false) {
     set_font(size, bold);
@@ -215,6 +262,33 @@ class Chart {
   }
 
  private:
+  static constexpr double mark_size = 2;  // pixels
+  double columns() const { return std::floor(size_.x() / mark_size) + 1; }
+  std::size_t index_of_mark(const Eigen::Vector2d& p) const {
+    const Eigen::Array2d at = ((p - corner_) / mark_size).array().floor();
+    return static_cast<std::size_t>(at.y() * columns() + at.x());
+  }
+  void mark(const Eigen::Vector2d& p) {
+    if (!marks_.empty() && shows(p)) marks_[index_of_mark(p)] = 1;
+  }
+  /// `box` lies in the field.
+  std::size_t marks_in(const Eigen::AlignedBox2d& box) const {
+    std::size_t count = 0;
+    for (Eigen::Vector2d p = box.min(); p.y() <= box.max().y(); p.y() += mark_size) {
+      for (p.x() = box.min().x(); p.x() <= box.max().x(); p.x() += mark_size)
+        count += static_cast<std::size_t>(marks_[index_of_mark(p)]);
+    }
+    return count;
+  }
+  /// `box`: where no other label may stand.
+  void edged_text(const Eigen::Vector2d& p, const std::string& words, double size, const Color& color,
+                  const Eigen::AlignedBox2d& box) {
+    labels_.push_back(box);
+    cairo_move_to(pen_, tenth(p.x()), tenth(p.y()));
+    cairo_text_path(pen_, words.c_str());
+    stroke({1, 1, 1, 0.85}, 3);
+    text(p, words, size, color);
+  }
   static cairo_status_t append(void* bytes, const unsigned char* data, unsigned int length) {
     static_cast<std::string*>(bytes)->append(reinterpret_cast<const char*>(data), length);
     return CAIRO_STATUS_SUCCESS;
@@ -251,6 +325,7 @@ class Chart {
   double scale_ = 1;
   Eigen::Vector2d center_{0, 0};
   std::vector<Eigen::AlignedBox2d> labels_;  // where they stand on the page
+  std::vector<char> marks_;  // by rows of the field: something is drawn there; empty: not kept
 };
 
 }  // namespace lidard

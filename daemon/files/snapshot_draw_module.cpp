@@ -43,31 +43,11 @@ Color color_of(SnapshotView::Role role, std::size_t number) {
   return ink;
 }
 
-/// The colour of a value between the ends of a scale, 0 ... 1: the map viridis of matplotlib (CC0), whose
-/// steps appear equal and differ in brightness for people with any colour vision; without its end, too bright
-/// on white.
-Color scale_color(double share) {
-  constexpr std::array<Color, 8> steps = {{{0.267, 0.005, 0.329},
-                                           {0.278, 0.173, 0.478},
-                                           {0.231, 0.318, 0.545},
-                                           {0.173, 0.443, 0.557},
-                                           {0.129, 0.565, 0.553},
-                                           {0.153, 0.678, 0.506},
-                                           {0.361, 0.784, 0.388},
-                                           {0.667, 0.863, 0.196}}};
-  const double at = std::clamp(share, 0.0, 1.0) * (steps.size() - 1);
-  const auto low = std::min(static_cast<std::size_t>(at), steps.size() - 2);
-  const double part = at - static_cast<double>(low);
-  const auto mix = [&](double Color::*c) { return steps[low].*c * (1 - part) + steps[low + 1].*c * part; };
-  return {mix(&Color::red), mix(&Color::green), mix(&Color::blue)};
-}
-
-/// 1, 2 or 5 times a power of ten, such that about `parts` of them make `length`.
-double round_step(double length, double parts) {
-  const double rough = length / parts;
-  const double power = std::pow(10, std::floor(std::log10(rough)));
-  const double lead = rough / power;
-  return power * (lead < 1.5 ? 1 : lead < 3.5 ? 2 : lead < 7.5 ? 5 : 10);
+/// The least of 1, 2 and 5 times a power of ten that reaches `least`.
+double round_step(double least) {
+  const double power = std::pow(10, std::floor(std::log10(least)));
+  const double lead = least / power;
+  return power * (lead <= 1 ? 1 : lead <= 2 ? 2 : lead <= 5 ? 5 : 10);
 }
 
 std::string meters(double length) { return printed("%.6g m", length); }
@@ -84,6 +64,7 @@ constexpr double legend_width = 264;
 constexpr std::size_t legend_columns = 40;  // letters of a line, beside the symbols
 constexpr double name_height = 19, line_height = 17, row_gap = 9;
 constexpr double margin = 20;
+constexpr double least_ring_gap = 38, most_rings = 5.5;  // pixels; up to the upper edge
 
 /// One row of the legend.
 struct LegendRow {
@@ -109,17 +90,11 @@ struct LegendRow {
   }
 };
 
-std::vector<LegendRow> legend_of(const SnapshotView& view) {
+std::vector<LegendRow> legend_of(const SnapshotView& view, double ring_step) {
   std::vector<LegendRow> rows;
   for (const auto& layer : view.layers) rows.push_back({layer.name, layer.note, &layer, {}});
-  const auto is_cloud = [](const SnapshotView::Layer& layer) { return layer.role == Role::cloud; };
-  if (std::any_of(view.layers.begin(), view.layers.end(), is_cloud)) {
-    const auto number = [](double value) { return printed("%.3g", std::abs(value) < 5e-4 ? 0.0 : value); };
-    rows.push_back({"colours",
-                    number(view.framing.lowest) + " to " + number(view.framing.highest) + ": height above " +
-                        view.base_frame + ", m",
-                    nullptr,
-                    {}});
+  if (!view.colors_note.empty()) {
+    rows.push_back({"colours", view.colors_note, nullptr, {}});
     for (int step = 0; step < 14; ++step) rows.back().colors.push_back(scale_color(step / 13.0));
   }
   if (!view.free_note.empty()) {
@@ -136,7 +111,8 @@ std::vector<LegendRow> legend_of(const SnapshotView& view) {
                     "plane of the scan.",
                     nullptr,
                     {}});
-  rows.push_back({"", "Ahead is up. Rings: distance from " + view.base_frame + ".", nullptr, {}});
+  rows.push_back(
+      {"", "Ahead is up. Rings: every " + meters(ring_step) + " from " + view.base_frame + ".", nullptr, {}});
   for (const auto* sentences : {&view.notes, &view.missing}) {
     for (const auto& sentence : *sentences) rows.push_back({"", sentence, nullptr, {}, {0.70, 0.20, 0.00}});
   }
@@ -146,12 +122,16 @@ std::vector<LegendRow> legend_of(const SnapshotView& view) {
 /// Places of the parts of a picture, in pixels; the field has the shape of the area shown.
 struct Layout {
   double width, height;  // of the field
+  double ring_step;      // m
   bool has_legend;
   Layout(const SnapshotView& view, bool with_legend) : has_legend(with_legend) {
     const double aspect = std::clamp(view.framing.half.y() / view.framing.half.x(), 0.65, 1.7);
     width = std::round(std::sqrt(field_area * aspect));
     if (view.framing.width > 0) width = view.framing.width - (page_width() - width);
     height = std::round(width / aspect);
+    const Eigen::Vector2d& half = view.framing.half;
+    const double pixels_per_meter = std::min(height / half.x(), width / half.y()) / 2;
+    ring_step = round_step(std::max(least_ring_gap, height / 2 / most_rings) / pixels_per_meter);
   }
   double legend_left() const { return field_left + width + 22; }
   double page_width() const { return has_legend ? legend_left() + legend_width + 14 : field_left + width; }
@@ -169,6 +149,7 @@ class Painter {
     chart_.begin_clip();
     areas(true);
     areas(false);
+    chart_.begin_marks();
     rings();
     const auto all = [&](Role role) {
       for (auto l = view_.layers.rbegin(); l != view_.layers.rend(); ++l) {
@@ -212,7 +193,7 @@ class Painter {
     }
   }
   void rings() {
-    const double step = round_step(shown(), 4.5);
+    const double step = layout_.ring_step;
     const Vector2d origin = chart_.to_page(Vector2d(0, 0));
     const double reach = view_.framing.center.norm() + shown() * 1.3;
     chart_.begin_crisp();
@@ -227,25 +208,29 @@ class Painter {
     }
     chart_.end_crisp();
   }
-  /// On a diagonal, where the axes and usually the vehicle are not.
+  /// Near to a diagonal, where the axes and usually the vehicle are not.
   void ring_labels() {
-    const double step = round_step(shown(), 4.5);
-    const Vector2d along(std::cos(-0.7), std::sin(-0.7));
-    for (double r = step; r < view_.framing.center.norm() + shown() * 1.3; r += step) {
-      const Vector2d at = chart_.to_page(Vector2d(r * along));
-      if (chart_.shows(at)) chart_.label(at, meters(r), 12, pale, Align::middle);
+    constexpr int places = 90;
+    for (double r = layout_.ring_step; r < view_.framing.center.norm() + shown() * 1.3;
+         r += layout_.ring_step) {
+      std::vector<Vector2d> all;
+      for (int i = 1; i <= places; ++i) {
+        const double angle = -0.7 + two_pi / places * (i % 2 == 0 ? i / 2 : -(i / 2));
+        all.push_back(chart_.to_page(Vector2d(r * std::cos(angle), r * std::sin(angle))));
+      }
+      chart_.label_where_free(all, meters(r), 12, pale);
     }
   }
-  /// Share of the colours' scale.
-  double share(float value) const {
-    const auto& f = view_.framing;
-    return (static_cast<double>(value) - f.lowest) / (f.highest - f.lowest);
+  static Color color_at(const SnapshotView::Layer& layer, std::size_t point) {
+    if (layer.values.empty()) return color_of(layer.role, layer.number);
+    const double lowest = layer.scale.first;
+    return scale_color((static_cast<double>(layer.values[point]) - lowest) / (layer.scale.second - lowest));
   }
   void clouds() {
     std::vector<Chart::Dot> dots;
     for (const auto& layer : view_.layers) {
-      for (std::size_t i = 0; i < layer.heights.size(); ++i)
-        dots.push_back({chart_.to_page(layer.points[i]), scale_color(share(layer.heights[i]))});
+      for (std::size_t i = 0; layer.role == Role::cloud && i < layer.points.size(); ++i)
+        dots.push_back({chart_.to_page(layer.points[i]), color_at(layer, i)});
     }
     // Few returns are drawn one by one; many as shades.
     chart_.dots(dots, dots.size() < 60'000 ? 2 : 1, dots.size() < 200'000 ? 1 : 0.6);
@@ -262,10 +247,16 @@ class Painter {
     }
   }
   void layer(const SnapshotView::Layer& layer) {
-    const Color color = color_of(layer.role, layer.number);
-    if (layer.role == Role::merged || layer.role == Role::virtual_scan) return line(layer);
-    for (const auto& p : layer.points) chart_.dot(chart_.to_page(p));
-    chart_.stroke(color, layer.dot);
+    if (is_line(layer)) return line(layer);
+    for (std::size_t i = 0; i < layer.points.size(); ++i) {
+      chart_.dot(chart_.to_page(layer.points[i]));
+      if (!layer.values.empty()) chart_.stroke(color_at(layer, i), layer.dot);
+    }
+    chart_.stroke(color_of(layer.role, layer.number), layer.dot);
+  }
+  /// Values are shown as dots.
+  static bool is_line(const SnapshotView::Layer& layer) {
+    return layer.values.empty() && (layer.role == Role::merged || layer.role == Role::virtual_scan);
   }
   void line(const SnapshotView::Layer& layer) {
     bool open = false;
@@ -349,15 +340,14 @@ class Painter {
       chart_.fill(row.colors[i]);
     }
     if (row.layer == nullptr) return;
-    if (row.layer->role == Role::merged || row.layer->role == Role::virtual_scan) {
+    if (is_line(*row.layer)) {
       chart_.path({at - Vector2d(0, 5), at + Vector2d(28, -5)});
       return stroke_line(*row.layer);
     }
     for (const double share : {0.1, 0.5, 0.9}) {
       chart_.dot(at + Vector2d(4 + 20 * share, -5));
       chart_.stroke(
-          row.layer->role == Role::cloud ? scale_color(share) : color_of(row.layer->role, row.layer->number),
-          6);
+          row.layer->values.empty() ? color_of(row.layer->role, row.layer->number) : scale_color(share), 6);
     }
   }
 
@@ -369,18 +359,17 @@ class Painter {
 
 std::string drawn(const std::vector<SnapshotView>& views, PictureFormat format) {
   const SnapshotView& last = views.back();
-  const std::vector<LegendRow> legend = legend_of(last);
+  std::vector<Layout> layouts;
+  for (const SnapshotView& view : views) layouts.emplace_back(view, &view == &last);
+  const std::vector<LegendRow> legend = legend_of(last, layouts.back().ring_step);
   double width = 0, height = field_top;
   std::string description = last.subtitle;
   for (const LegendRow& row : legend) {
     height += row.height();
     description += "\n" + row.name + (row.name.empty() ? "" : ": ") + row.note;
   }
-  std::vector<Layout> layouts;
-  for (const SnapshotView& view : views) {
-    const Layout& layout = layouts.emplace_back(view, &view == &last);
+  for (const Layout& layout : layouts)
     width += layout.page_width(), height = std::max(height, field_top + layout.height);
-  }
   Chart chart(format, width, std::ceil(height + margin));
   for (std::size_t i = 0; i < views.size(); ++i) {
     Painter(views[i], layouts[i], legend, chart).paint();

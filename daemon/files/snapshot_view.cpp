@@ -5,8 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
+#include <set>
 #include <stdexcept>
-#include <tuple>
 
 #include "core/base/angle.h"
 #include "core/base/number_text.h"
@@ -20,9 +21,21 @@ using Role = SnapshotView::Role;
 /// A scan older by this than the others shows the vehicle's surroundings of another place, s.
 constexpr double noticeably_older = 0.02;
 
-std::string percent(std::size_t part, std::size_t all) {
-  const double share = all == 0 ? 0 : 100.0 * static_cast<double>(part) / static_cast<double>(all);
-  return std::to_string(std::lround(share)) + "%";
+/// The shares of counts, %, whose sum is 100: the largest remainders are rounded up.
+std::vector<std::size_t> percentages(const std::vector<std::size_t>& counts) {
+  const std::size_t all = std::accumulate(counts.begin(), counts.end(), std::size_t{0});
+  std::vector<std::size_t> shares(counts.size());
+  std::vector<std::pair<std::size_t, std::size_t>> remainders;
+  for (std::size_t i = 0; i < counts.size() && all > 0; ++i) {
+    shares[i] = 100 * counts[i] / all;
+    remainders.emplace_back(100 * counts[i] % all, i);
+  }
+  std::sort(remainders.rbegin(), remainders.rend());
+  std::size_t rest = 100 - std::accumulate(shares.begin(), shares.end(), std::size_t{0});
+  for (const auto& [remainder, i] : remainders) {
+    if (rest > 0) ++shares[i], --rest;
+  }
+  return shares;
 }
 
 std::size_t count(const PlanarScan& scan, BeamStatus status) {
@@ -42,8 +55,8 @@ Eigen::Vector2f from_above(const Pose& pose, double angle, double range) {
 /// Builds a view layer by layer.
 class Gatherer {
  public:
-  Gatherer(const Config& config, const FrameTree& poses, const FrameKeeper& frames, std::string areas)
-      : config_(config), poses_(poses), frames_(frames), areas_(std::move(areas)) {}
+  Gatherer(const Config& config, const FrameTree& poses, const FrameKeeper& frames, const ViewChoice& choice)
+      : config_(config), poses_(poses), frames_(frames), choice_(choice), areas_(choice.areas) {}
 
   SnapshotView run() {
     view_.base_frame = config_.vehicle.base_frame;
@@ -53,6 +66,12 @@ class Gatherer {
     for (const MergedCloudConfig& merged : config_.merged_clouds)
       add_cloud(merged.destination_topic, nullptr, "merged cloud");
     for (const VirtualScanConfig& group : config_.virtual_scans) add_virtual(group);
+    for (const std::string& topic : choice_.only) {
+      if (topics_.count(topic) > 0) continue;
+      std::string all;
+      for (const std::string& one : topics_) all += (all.empty() ? "" : ", ") + one;
+      throw std::runtime_error("--only: no output '" + topic + "' can be drawn; expected one of " + all);
+    }
     // A device's own free space counts as proven.
     if (first_input_ != nullptr && (shaded_ == nullptr || !areas_.empty()))
       choose_areas(first_input_topic_, *first_input_, Profile::strict);
@@ -63,13 +82,19 @@ class Gatherer {
   }
 
  private:
+  bool is_wanted(const std::string& topic) {
+    topics_.insert(topic);
+    const auto& only = choice_.only;
+    return only.empty() || topic == areas_ || std::count(only.begin(), only.end(), topic) > 0;
+  }
   SnapshotView::Layer& add_layer(Role role, const std::string& name, const std::string& note) {
     return view_.layers.emplace_back(SnapshotView::Layer{role, numbers_[role]++, name, note, {}, {}, {}});
   }
   void add_sensor(const SensorConfig& sensor) {
     if (sensor.model == nullptr) {
-      view_.missing.push_back(sensor.name + " comes from the topic " + sensor.topic +
-                              ", which a capture does not hold");
+      if (choice_.only.empty())
+        view_.missing.push_back(sensor.name + " comes from the topic " + sensor.topic +
+                                ", which a capture does not hold");
       return;
     }
     const bool cloud = sensor.model->kind == FrameKind::cloud;
@@ -84,6 +109,7 @@ class Gatherer {
   }
   /// `sensor` may be nullptr: the cloud of several.
   void add_cloud(const std::string& topic, const SensorConfig* sensor, const std::string& what) {
+    if (!is_wanted(topic)) return;
     const Cloud* cloud = frames_.find_cloud(topic);
     if (cloud == nullptr) {
       view_.missing.push_back(topic + " had not come by then");
@@ -101,7 +127,7 @@ class Gatherer {
       if (!in_message.allFinite()) continue;
       const Eigen::Vector3f at = to_base * in_message;
       layer.points.emplace_back(at.head<2>());
-      layer.heights.push_back(at.z());
+      layer.values.push_back(choice_.intensities ? p->intensity : at.z());
     }
     if (sensor != nullptr) add_mark(*sensor, Role::cloud, layer.number);
   }
@@ -132,6 +158,7 @@ class Gatherer {
   }
   const PlanarScan* add_scan(Role role, const std::string& topic, const std::string& frame,
                              const std::string& what) {
+    if (!is_wanted(topic)) return nullptr;
     const PlanarScan* scan = frames_.find_scan(topic, frame);
     if (scan == nullptr) {
       view_.missing.push_back(topic + " had not come by then");
@@ -141,6 +168,7 @@ class Gatherer {
     if (!place(frame, scan->stamp, pose)) return nullptr;
     auto& layer =
         add_layer(role, topic, what + ", " + std::to_string(scan->beams) + " beams" + age(scan->stamp));
+    if (role != Role::input) layer.dot = 3;
     if (role != Role::virtual_scan) scans_stamp_ = std::max(scans_stamp_, scan->stamp);
     std::size_t last_hit = scan->beams;
     for (std::size_t i = 0; i < scan->beams; ++i) {
@@ -148,6 +176,7 @@ class Gatherer {
       const auto r = static_cast<double>(scan->ranges[i]);
       layer.points.push_back(from_above(pose, static_cast<double>(scan->angle(i)), r));
       layer.joined.push_back(0);
+      if (choice_.intensities && !scan->intensities.empty()) layer.values.push_back(scan->intensities[i]);
       const double step = std::abs(static_cast<double>(scan->angle_increment)) * r;
       const std::size_t n = layer.points.size();
       if (last_hit + 1 == i &&
@@ -169,11 +198,11 @@ class Gatherer {
     }
     shaded_ = &scan;
     shaded_profile_ = profile;
-    const std::string shares =
-        percent(count(scan, BeamStatus::none) + count(scan, BeamStatus::hit), scan.beams);
-    view_.free_note = "seen to be free, says " + topic + " (" + shares + " of its beams)";
-    view_.unobserved_note =
-        "not observed, says " + topic + " (" + percent(count(scan, BeamStatus::invalid), scan.beams) + ")";
+    const auto shares = percentages({count(scan, BeamStatus::none) + count(scan, BeamStatus::hit),
+                                     count(scan, BeamStatus::invalid), count(scan, BeamStatus::near)});
+    view_.free_note = "seen to be free, says " + topic + " (" + std::to_string(shares[0]) + "% of its beams)";
+    view_.unobserved_note = "not observed, says " + topic + " (" + std::to_string(shares[1]) + "%)";
+    if (shares[2] > 0) view_.unobserved_note += "; too near to measure: " + std::to_string(shares[2]) + "%";
   }
   void shade(const PlanarScan& scan) {
     Pose pose;
@@ -214,7 +243,9 @@ class Gatherer {
   const Config& config_;
   const FrameTree& poses_;
   const FrameKeeper& frames_;
-  std::string areas_;
+  const ViewChoice& choice_;
+  const std::string& areas_;
+  std::set<std::string> topics_;  // that can be drawn
   bool areas_came_ = false;
   Stamp scans_stamp_{};  // of the newest scan that is not virtual
   const PlanarScan* shaded_ = nullptr;
@@ -236,18 +267,28 @@ std::pair<double, double> narrowest(std::vector<float>& values, double share) {
   return {values[best], values[best + held - 1]};
 }
 
+/// Fits the ends of the colours to values, and says them.
+std::string fit_scale(std::vector<float>& values, std::pair<double, double>& scale) {
+  if (!values.empty()) scale = narrowest(values, 0.96);
+  scale.second = std::max(scale.second, scale.first + 0.1);
+  const auto number = [](double value) {
+    return printed(std::abs(value) < 100 ? "%.3g" : "%.0f", std::abs(value) < 5e-4 ? 0.0 : value);
+  };
+  return number(scale.first) + " to " + number(scale.second);
+}
+
 }  // namespace
 
 SnapshotView make_view(const Config& config, const FrameTree& poses, const FrameKeeper& frames,
-                       const std::string& areas) {
-  return Gatherer(config, poses, frames, areas).run();
+                       const ViewChoice& choice) {
+  return Gatherer(config, poses, frames, choice).run();
 }
 
 SnapshotView::Framing fit_to_points(const SnapshotView& view) {
   const bool has_scanners = std::any_of(view.layers.begin(), view.layers.end(), [](const auto& layer) {
     return !layer.points.empty() && (layer.role == Role::input || layer.role == Role::merged);
   });
-  std::vector<float> x{0}, y{0}, heights;
+  std::vector<float> x{0}, y{0};
   for (const auto& layer : view.layers) {
     // A roof lidar sees far beyond the scanners.
     if (layer.role == Role::cloud && has_scanners) continue;
@@ -262,15 +303,30 @@ SnapshotView::Framing fit_to_points(const SnapshotView& view) {
   SnapshotView::Framing out;
   out.center = {(back + front) / 2, (right + left) / 2};
   out.half = {std::max(2.0, 0.53 * (front - back)), std::max(2.0, 0.53 * (left - right))};
-  for (const auto& layer : view.layers) {
-    for (std::size_t i = 0; i < layer.heights.size(); ++i) {
-      const Eigen::Vector2d from_center = layer.points[i].cast<double>() - out.center;
-      if ((from_center.cwiseAbs().array() <= out.half.array()).all()) heights.push_back(layer.heights[i]);
-    }
-  }
-  if (!heights.empty()) std::tie(out.lowest, out.highest) = narrowest(heights, 0.96);
-  out.highest = std::max(out.highest, out.lowest + 1e-3);
   return out;
+}
+
+void fit_colors(SnapshotView& view, bool intensities) {
+  std::vector<float> shown;
+  for (auto& layer : view.layers) {
+    bool any = false;
+    for (std::size_t i = 0; i < layer.values.size(); ++i) {
+      const Eigen::Vector2d from_center = layer.points[i].cast<double>() - view.framing.center;
+      if (!std::isfinite(layer.values[i])) continue;
+      any |= layer.values[i] != 0;
+      if ((from_center.cwiseAbs().array() <= view.framing.half.array()).all())
+        shown.push_back(layer.values[i]);
+    }
+    if (!intensities) continue;
+    if (!any) layer.values.clear();
+    layer.note += any ? ", intensity " + fit_scale(shown, layer.scale) : ", no intensities";
+    if (any) view.colors_note = "lowest to highest intensity of each, as the device counts it";
+    shown.clear();
+  }
+  if (shown.empty()) return;
+  std::pair<double, double> scale;
+  view.colors_note = fit_scale(shown, scale) + ": height above " + view.base_frame + ", m";
+  for (auto& layer : view.layers) layer.scale = scale;
 }
 
 std::optional<PictureFormat> picture_format(const std::string& path) {

@@ -84,17 +84,17 @@ struct SnapshotView {
     std::string name;
     std::string note;  ///< its explanation in the legend
     std::vector<Eigen::Vector2f> points;
-    std::vector<char> joined;    ///< point i and i + 1 are neighbouring beams on one surface; empty: none are
-    std::vector<float> heights;  ///< of a cloud's points: m in base_frame, shown as colours
-    double dot = 6;              ///< pixels, of an input's points
+    std::vector<char> joined;   ///< point i and i + 1 are neighbouring beams on one surface; empty: none are
+    std::vector<float> values;  ///< of the points, shown as colours; empty: they have the colour of the layer
+    double dot = 6;             ///< pixels, of points that are no line
+    std::pair<double, double> scale{0, 1};  ///< values at the ends of the colours
   };
 
   /// The area that the picture shows.
   struct Framing {
     Eigen::Vector2d center{0, 0};
-    Eigen::Vector2d half{10, 10};    ///< m that are shown at least from the center, ahead and to the left
-    int width = 0;                   ///< pixels of the page; 0: as needed
-    double lowest = 0, highest = 1;  ///< m: heights at the ends of the colours
+    Eigen::Vector2d half{10, 10};  ///< m that are shown at least from the center, ahead and to the left
+    int width = 0;                 ///< pixels of the page; 0: as needed
   };
 
   struct Sensor {
@@ -127,19 +127,32 @@ struct SnapshotView {
   std::vector<Wedge> wedges;  ///< by angle
   std::string free_note;      ///< legend of the areas; empty: none is shown
   std::string unobserved_note;
+  std::string colors_note;           ///< legend of the values; empty: there are none
   std::vector<std::string> notes;    ///< one sentence each: remarks on the picture
   std::vector<std::string> missing;  ///< one sentence each: objects not drawn, and why
   Framing framing;
 };
 
-/// Builds the view of `frames`. `areas` is the topic whose free and unobserved areas are shaded; empty: the
-/// first merged or virtual scan in profile strict, else safety, else the first scan of all; flatten proves no
-/// free space, so nothing is shaded for it. Throws std::runtime_error without a frame of it.
+/// What a view shows.
+struct ViewChoice {
+  /// Topic whose free and unobserved areas are shaded; empty: the first merged or virtual scan in profile
+  /// strict, else safety, else the first scan of all; flatten proves no free space, so nothing is shaded for
+  /// it.
+  std::string areas{};
+  std::vector<std::string> only{};  ///< topics drawn beside `areas`; empty: all
+  bool intensities = false;         ///< of all returns are the values; else heights, of clouds alone
+};
+
+/// Builds the view of `frames`. Throws std::runtime_error without a frame of the areas, or for a topic that
+/// is never drawn.
 SnapshotView make_view(const Config& config, const FrameTree& poses, const FrameKeeper& frames,
-                       const std::string& areas);
+                       const ViewChoice& choice);
 
 /// The framing that shows 95 % of the returns.
 SnapshotView::Framing fit_to_points(const SnapshotView& view);
+/// Fits the scales of the colours to the returns in the framing: one of all heights, or one of the
+/// intensities of each layer, since devices count differently. Adds them to the legend.
+void fit_colors(SnapshotView& view, bool intensities);
 
 enum class PictureFormat : std::uint8_t { png, svg };
 /// The format by the end of a file's name; nothing: neither .png nor .svg.

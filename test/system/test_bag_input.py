@@ -70,10 +70,13 @@ def refuses(tmp, demo):
     expect(result.returncode == 1 and "--start 9: the bag ends before" in result.stderr, result.stderr)
     result = run("replay", "-c", write(tmp / "looped.yaml", MERGE), "--pcap", demo, "--loop")
     expect(result.returncode == 1 and "--loop" in result.stderr, result.stderr)
+    result = run("replay", "-c", DEMO, "--pcap", CAPTURE, "--loop", "--motion", tmp / "none.csv")
+    expect(result.returncode == 1 and "none.csv: cannot be opened" in result.stderr, result.stderr)
     half = tmp / "half.bag"
     half.write_bytes(demo.read_bytes()[:1_000_000])
     result, _ = replay(tmp, "cut", MERGE, half)
     expect(result.returncode == 1 and "half.bag: " in result.stderr, result.stderr)
+    expect("rosbag reindex" in result.stderr, result.stderr)
     other = write(tmp / "bag.pcap", "#ROSBAG V2.0\n" + 200 * "x")
     result = run("inspect", other)
     expect(result.returncode == 1 and "is a bag" in result.stderr, result.stderr)
@@ -85,6 +88,21 @@ def refuses(tmp, demo):
             messages.write(topic, message, time)
     result, _ = replay(tmp, "bad_out", MERGE, bad)
     expect("of no use" in result.stdout, result.stdout + result.stderr)
+
+
+def plays_a_damaged_bag_up_to_its_damage(tmp, demo):
+    broken = tmp / "broken.bag"
+    with rosbag.Bag(str(broken), "w") as messages, rosbag.Bag(str(demo)) as source:
+        for topic, message, time in source.read_messages(["/front_left/scan", "/front_right/scan", "/tf_static"]):
+            messages.write(topic, message, time)
+    whole = broken.read_bytes()
+    middle = len(whole) // 2
+    broken.write_bytes(whole[:middle] + bytes(20_000) + whole[middle + 20_000:])
+    result, out = replay(tmp, "broken_out", MERGE, broken)
+    expect(result.returncode == 1 and "broken.bag: " in result.stderr and "up to there were played" in result.stderr, result.stderr)
+    before, again = scans(demo, "/scan_strict"), scans(out, "/again_strict")
+    expect(0.2 * len(before) < len(again) < 0.8 * len(before), f"{len(again)} of {len(before)} scans")
+    expect("again_strict" in result.stdout, result.stdout)
 
 
 def plays_into_ros(tmp, demo):
@@ -112,7 +130,7 @@ def main():
         demo = tmp / "demo.bag"
         result = run("replay", "-c", DEMO, "--pcap", CAPTURE, "--rate", "max", "--bag", demo)
         expect(result.returncode == 0, result.stderr)
-        for check in (merges_what_was_recorded, decodes_packets, refuses, plays_into_ros, inspects):
+        for check in (merges_what_was_recorded, decodes_packets, refuses, plays_a_damaged_bag_up_to_its_damage, plays_into_ros, inspects):
             check(tmp, demo)
     print("ok")
 

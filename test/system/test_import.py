@@ -424,6 +424,11 @@ def mistakes(tmp):
         expect(result.returncode == code, f"{name}: exit {result.returncode}\n{result.stderr}")
         for word in words:
             expect(word in result.stderr, f"'{word}' is not in the answer to {name}: {result.stderr}")
+    there = written(tmp, "there.yaml", "kept\n")
+    wrong = written(tmp, "wrong.launch", "<launch><node pkg='urg_node' type='urg_node' name='u'><param name='ip_address' value='192.168.0.10'/>"
+                    "<param name='ip_port' value='99999'/></node></launch>")
+    result = run("import", wrong, "-o", there)
+    expect(result.returncode == 78 and "sensors.u.ip_port is 99999" in result.stderr and there.read_text() == "kept\n", result.stderr)
     gone = run("import", tmp / "gone.launch")
     expect(gone.returncode == 78 and "gone.launch: cannot be read" in gone.stderr, gone.stderr)
     expect(run("import").returncode == 2, "no file is a mistake of usage")

@@ -97,7 +97,12 @@ void BagTopics::check(const std::vector<std::string>& bags) const {
 }
 
 void BagTopics::advance() {
-  at_ = reader_->next(message_) ? std::optional<Stamp>(clock_.steady(from_ros(message_.time))) : std::nullopt;
+  at_.reset();
+  try {
+    if (reader_->next(message_)) at_ = clock_.steady(from_ros(message_.time));
+  } catch (const std::exception& problem) {
+    damage_ = problem.what();
+  }
 }
 
 /// Passes the message at hand on; returns why it is of no use.

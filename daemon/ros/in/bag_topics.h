@@ -37,6 +37,8 @@ class BagTopics final : public TimedMessages {
   void feed(MessageReceiver* to, Stamp until) override;
   /// Messages passed and left out, by source.
   const std::vector<TopicReport>& report() const { return sources_; }
+  /// Why the messages end before the bags do, with the files; empty: they do not.
+  const std::string& damage() const { return damage_; }
 
  private:
   void advance();
@@ -48,6 +50,7 @@ class BagTopics final : public TimedMessages {
   ClockStep clock_;
   BagMessage message_;
   std::optional<Stamp> at_;
+  std::string damage_;
   PlanarScan scan_;
   Cloud cloud_;
 };

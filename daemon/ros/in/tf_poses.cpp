@@ -15,6 +15,7 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "daemon/pipeline/log.h"
 #include "daemon/ros/messages/bags_module.h"
 #include "daemon/ros/messages/convert.h"
 
@@ -125,14 +126,17 @@ BagPoses::BagPoses(const std::string& path, const VehicleConfig& vehicle)
 }
 
 void BagPoses::read_bag(const std::string& path) {
-  const auto use_transforms = [this](const tf2_msgs::TFMessage& message, bool is_static) {
+  bool any = false;
+  const auto use_transforms = [&](const tf2_msgs::TFMessage& message, bool is_static) {
+    any = true;
     for (const auto& transform : message.transforms) {
       buffer_.setTransform(transform, "bag", is_static);
       if (!is_static && ros_frame(transform.header.frame_id) == ros_frame(vehicle_.odometry_frame))
         moved_.push_back(clock_->steady(from_ros(transform.header.stamp)));
     }
   };
-  const auto use_odometry = [this](const nav_msgs::Odometry& message) {
+  const auto use_odometry = [&](const nav_msgs::Odometry& message) {
+    any = true;
     const auto& pose = message.pose.pose;
     odometry_.push_back(
         {clock_->steady(from_ros(message.header.stamp)), to_pose(pose.position, pose.orientation)});
@@ -142,6 +146,8 @@ void BagPoses::read_bag(const std::string& path) {
     bags_function<decltype(lidard_read_poses)>("lidard_read_poses")(path, vehicle_.odometry_topic,
                                                                     use_transforms, use_odometry);
   } catch (const std::exception& problem) {
+    if (any && dynamic_cast<const ros::Exception*>(&problem) != nullptr)
+      return log_warn("{}: {}; the poses up to there are used", path, problem.what());
     throw std::runtime_error(path + ": " + problem.what() + "; expected a bag with /tf or the odometry");
   }
 }
@@ -197,15 +203,24 @@ std::vector<StampedPose> BagPoses::track() {
 
 bool BagPoses::lookup(const std::string& parent, const std::string& child, Stamp stamp, Pose& pose,
                       std::string& why_not) {
-  return is_there_ ? BufferPoses::lookup(parent, child, stamp, pose, why_not)
+  return is_there_ ? BufferPoses::lookup(parent, child, stamp - shift_, pose, why_not)
                    : NoTransforms().lookup(parent, child, stamp, pose, why_not);
 }
 
-void BagPoses::feed(Pipeline& pipeline, Stamp until) {
+void BagPoses::history(const std::string& parent, const std::string& child, Stamp after, Stamp until,
+                       std::vector<StampedPose>& poses) {
+  const std::size_t before = poses.size();
+  BufferPoses::history(parent, child, after - shift_, until - shift_, poses);
+  for (std::size_t i = before; i < poses.size(); ++i) poses[i].stamp = poses[i].stamp + shift_;
+}
+
+void BagPoses::feed(Pipeline& pipeline, Stamp until, Span shift) {
+  if (shift_ != shift) next_ = 0;
+  shift_ = shift;
   if (vehicle_.odometry_topic.empty()) return;
-  for (; next_ < odometry_.size() && odometry_[next_].stamp <= until; ++next_) {
+  for (; next_ < odometry_.size() && odometry_[next_].stamp + shift <= until; ++next_) {
     const auto& [stamp, pose] = odometry_[next_];
-    pipeline.pose_message(stamp, pose, child_, stamp);
+    pipeline.pose_message(stamp + shift, pose, child_, stamp + shift);
   }
 }
 

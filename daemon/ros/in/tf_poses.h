@@ -62,12 +62,15 @@ class TfPoses final : public BufferPoses, public RosComponent {
 class BagPoses final : public BufferPoses {
  public:
   /// Reads a bag, or a file whose name ends with .csv. An empty path: there is none, and all poses are
-  /// configured. Throws std::runtime_error that names the file.
+  /// configured. Throws std::runtime_error that names the file; of a damaged bag, the first poses count.
   BagPoses(const std::string& path, const VehicleConfig& vehicle);
   bool lookup(const std::string& parent, const std::string& child, Stamp stamp, Pose& pose,
               std::string& why_not) override;
-  /// Passes the odometry's messages after the last call, up to `until`, to the pipeline.
-  void feed(Pipeline& pipeline, Stamp until);
+  void history(const std::string& parent, const std::string& child, Stamp after, Stamp until,
+               std::vector<StampedPose>& poses) override;
+  /// Passes the odometry's messages after the last call, up to `until`, to the pipeline. All poses are
+  /// stamped later by `shift`, as a repeated capture is; the odometry begins anew where that changes.
+  void feed(Pipeline& pipeline, Stamp until, Span shift = Span(0));
   /// All poses of base_frame, by stamp: of the odometry's topic, of odometry_frame on tf, or of the table.
   std::vector<StampedPose> track();
 
@@ -81,6 +84,7 @@ class BagPoses final : public BufferPoses {
   std::string child_;
   std::vector<Stamp> moved_;  // when tf moved something in odometry_frame
   std::size_t next_ = 0;
+  Span shift_{0};
 };
 
 }  // namespace lidard

@@ -35,12 +35,25 @@ class WrittenBag final : public BagFile {
   rosbag::Bag bag_;
 };
 
+std::unique_ptr<rosbag::Bag> opened(const std::string& path) {
+  try {
+    return std::make_unique<rosbag::Bag>(path, rosbag::bagmode::Read);
+  } catch (const rosbag::BagException& problem) {
+    throw std::runtime_error(std::string(problem.what()) +
+                             "; run `rosbag reindex` on a bag that was not closed or was cut off");
+  }
+}
+
 class OpenBags final : public BagReader {
  public:
   explicit OpenBags(const std::vector<std::string>& paths) {
     std::map<std::string, BagTopic> all;
     for (const std::string& path : paths) {
-      open(path);
+      try {
+        bags_.push_back(opened(path));
+      } catch (const std::runtime_error& problem) {
+        throw std::runtime_error(path + ": " + problem.what());
+      }
       rosbag::View view(*bags_.back());
       for (const rosbag::ConnectionInfo* connection : view.getConnections())
         all[connection->topic] = {connection->topic, connection->datatype, 0, 0};
@@ -86,15 +99,6 @@ class OpenBags final : public BagReader {
     ros::serialization::OStream stream(message.bytes.data(), from.size());
     from.write(stream);
   }
-  void open(const std::string& path) {
-    try {
-      bags_.push_back(std::make_unique<rosbag::Bag>(path, rosbag::bagmode::Read));
-    } catch (const rosbag::BagUnindexedException&) {
-      throw std::runtime_error(path + ": the bag was not closed; run `rosbag reindex` on it");
-    } catch (const rosbag::BagException& problem) {
-      throw std::runtime_error(path + ": " + problem.what());
-    }
-  }
 
   std::vector<std::unique_ptr<rosbag::Bag>> bags_;
   std::vector<BagTopic> topics_;
@@ -110,8 +114,8 @@ extern "C" lidard::BagFile* lidard_write_bag(const std::string& path) { return n
 extern "C" void lidard_read_poses(const std::string& path, const std::string& odometry_topic,
                                   const std::function<void(const tf2_msgs::TFMessage&, bool)>& use_transforms,
                                   const std::function<void(const nav_msgs::Odometry&)>& use_odometry) {
-  const rosbag::Bag bag(path, rosbag::bagmode::Read);
-  for (const auto& message : rosbag::View(bag)) {
+  const auto bag = lidard::opened(path);
+  for (const auto& message : rosbag::View(*bag)) {
     const std::string topic = message.getTopic();
     if (const auto tf = message.instantiate<tf2_msgs::TFMessage>())
       use_transforms(*tf, topic == "/tf_static" || topic == "tf_static");

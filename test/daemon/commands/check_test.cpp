@@ -87,6 +87,13 @@ TEST_F(Check, ListsOnlyConnectionsThatTheDaemonMakes) {
   EXPECT_EQ(tcp, "10.0.0.2:2122 10.0.0.4:80 10.0.0.6:2111 ");
 }
 
+TEST_F(Check, QuestionsAnAddressThatThisHostDoesNotHave) {
+  EXPECT_EQ(
+      check("sensors: {a: {model: sick_picoscan150, ip_address: 10.0.0.1, udp_receiver_ip: 203.0.113.5}}\n"),
+      0);
+  EXPECT_NE(err_.str().find("which is no address of this host"), std::string::npos) << err_.str();
+}
+
 TEST_F(Check, QuestionsAPoseInMillimetresOrDegreesThatLookLikeRad) {
   EXPECT_EQ(
       check(

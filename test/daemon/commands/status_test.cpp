@@ -84,6 +84,26 @@ TEST(Status, CountsHoursBeyondADayAndEndsWithOneWhereSomethingIsInError) {
   thread.join();
 }
 
+TEST(Status, HasATableOfTopicsWithALineForEachHoweverLongItsName) {
+  DaemonState state = sample_state();
+  state.topics.front().first = "front_left_bumper/scan_of_the_strict_profile";
+  const std::string path = testing::TempDir() + "lidard-status-" + std::to_string(getpid());
+  const Journal journal([](const Event&) {});
+  boost::asio::io_context io;
+  RuntimeSocket socket(io, {{"status", [&](const auto& reply) { reply(status_json(state, journal)); }}});
+  ASSERT_EQ(socket.start(path), "");
+  std::thread thread([&io] { io.run(); });
+  StatusOptions options;
+  options.socket = path;
+  std::ostringstream out, err;
+  run_status(options, out, err);
+  io.stop();
+  thread.join();
+  EXPECT_THAT(out.str(), ::testing::ContainsRegex("profile +42 .*\n"));
+  const std::size_t name = out.str().find("TOPIC"), frames = out.str().find("FRAMES");
+  EXPECT_GT(frames - name, state.topics.front().first.size()) << out.str();
+}
+
 TEST(Events, AreAllThatTheJournalHas) {
   Journal journal([](const Event&) {});
   for (std::size_t i = 0; i < Journal::most_events + 3; ++i)

@@ -72,6 +72,18 @@ TEST_F(WrongInput, ReplayFromBeyondTheEndSaysWhereTheEndIs) {
   EXPECT_THAT(err_.str(), HasSubstr("/nowhere.csv: cannot be opened: No such file or directory"));
 }
 
+TEST_F(WrongInput, ReplayWarnsOnceOfASensorWithoutItsCalibration) {
+  LIDARD_NEED_CAPTURE(capture, "velodyne/hdl64e_s1_atwall_306.pcap");
+  ReplayOptions options;
+  options.captures = {capture};
+  options.rate = 0;
+  options.bag = folder_ + "x.bag";
+  EXPECT_EQ(run_replay(options, out_, err_), exit_ok) << err_.str();
+  const std::string said = err_.str(), warning = "does not send its calibration";
+  EXPECT_NE(said.find(warning), std::string::npos) << said;
+  EXPECT_EQ(said.find(warning), said.rfind(warning)) << said;
+}
+
 TEST_F(WrongInput, TheOutputsThatInspectProposesAreValid) {
   ASSERT_EQ(run_inspect({project_file("pcaps/demo.pcap")}, false, out_, err_), 0);
   const std::string text =

@@ -23,7 +23,9 @@ using ::testing::IsEmpty;
 std::string said_of(const std::string& text) {
   try {
     std::string all;
-    for (const std::string& warning : parse_config(text, "f").warnings) all += warning + "\n";
+    const Config config = parse_config(text, "f");
+    for (const auto* list : {&config.warnings, &config.host_remarks})
+      for (const std::string& remark : *list) all += remark + "\n";
     return all;
   } catch (const ConfigError& error) {
     return error.what();
@@ -242,6 +244,14 @@ TEST(Remarks, AreMadeOfACalibrationOfAnotherModel) {
       HasSubstr("a.calibration has elevations up to 5.0 deg off those of VLP-16, and fits Puck Hi-Res: "
                 "is it the right file?"));
   EXPECT_THAT(said_of(sensor("model: velodyne_puck_hires, calibration: " + file)), IsEmpty());
+}
+
+TEST(Remarks, OnTheNetworkOfThisHostAreForTheCommandsThatUseIt) {
+  for (const std::string& text : {scanner("udp_receiver_ip: 203.0.113.5"), roof("ip_port: 368")}) {
+    const Config config = parse_config(text, "f");
+    EXPECT_THAT(config.warnings, IsEmpty()) << "replay, snapshot and calibrate show these";
+    EXPECT_EQ(config.host_remarks.size(), 1U) << text;
+  }
 }
 
 /// What is right, or may be.

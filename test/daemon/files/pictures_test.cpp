@@ -98,14 +98,14 @@ SnapshotView two_clumps() {
   for (int i = 0; i < 400; ++i) {
     const float spread = 0.001F * static_cast<float>(i);
     cloud.points.emplace_back(4 + spread, 3 + spread);
-    cloud.heights.push_back(0);
+    cloud.values.push_back(0);
     cloud.points.emplace_back(4 + spread, -3 - spread);
-    cloud.heights.push_back(2);
+    cloud.values.push_back(2);
   }
+  cloud.scale = {0, 2};
   view.layers.push_back(cloud);
   view.framing.center = {0, 0};
   view.framing.half = {6, 6};
-  view.framing.lowest = 0, view.framing.highest = 2;
   return view;
 }
 
@@ -137,7 +137,7 @@ TEST_F(Pictures, AreFramedByTheReturnsAndNotByTheFewFarOff) {
     const bool far = i % 50 == 0;
     const auto along = static_cast<float>(i % 100) / 100 * 60 - 30;
     cloud.points.emplace_back(far ? 150.0F : static_cast<float>(i % 7) - 3, far ? 200.0F : along);
-    cloud.heights.push_back(0);
+    cloud.values.push_back(0);
   }
   view.layers.push_back(cloud);
   view.framing = fit_to_points(view);

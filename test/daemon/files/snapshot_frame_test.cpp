@@ -25,7 +25,7 @@ SnapshotView view_with(const std::string& keys) {
   PcapSource source(test::project_file("pcaps/demo.pcap"));
   Packet packet;
   for (int i = 0; i < 1000 && source.next(packet); ++i) pipeline.packet(packet);
-  return make_view(config, frames, keeper, "");
+  return make_view(config, frames, keeper, {});
 }
 
 TEST(SnapshotFrame, ACloudInTheFrameOfTheVehicleLooksLikeOneInTheLidars) {
@@ -38,7 +38,7 @@ TEST(SnapshotFrame, ACloudInTheFrameOfTheVehicleLooksLikeOneInTheLidars) {
   ASSERT_EQ(a.points.size(), b.points.size());
   for (std::size_t i = 0; i < a.points.size(); ++i) {
     ASSERT_LT((a.points[i] - b.points[i]).norm(), 1e-4F);
-    ASSERT_NEAR(a.heights[i], b.heights[i], 1e-4F);
+    ASSERT_NEAR(a.values[i], b.values[i], 1e-4F);
   }
   ASSERT_EQ(moved.sensors.size(), 1U);
   EXPECT_EQ(moved.sensors[0].at, Eigen::Vector2d(0.5, 0)) << "the lidar stands where it is mounted";
