@@ -160,11 +160,12 @@ std::optional<ColaWords> ColaDevice::measured(const std::string& name) const {
     const double deg = options_.start / 1e4 + options_.exact_step_deg * static_cast<double>(beam);
     return static_cast<std::uint32_t>(std::lround(deg * 1e4));
   };
-  const bool ready = !logged_in_ && !stopped_;
   if (name == "DeviceIdent") return out.text(options_.type, 2).text(options_.version, 2);
-  if (name == "SCdevicestate") return out.number(ready ? 1 : 0, 1);
-  if (name == "STlms")
-    return out.number(ready ? 7 : 6, 2).number(0, 1).text("12:00:00", 2).text("01.01.1970", 2).number(0, 2);
+  if (name == "SCdevicestate") return out.number(logged_in_ || stopped_ ? 0 : 1, 1);
+  if (name == "STlms") {
+    out.number(stopped_ ? 6 : 7, 2).number(0, 1).text("12:00:00", 2).text("01.01.1970", 2);
+    return out.number(0, 2).number(0, 2).number(0, 2);  // lamps
+  }
   if (name == "LMPoutputRange")
     return out.number(1, 2).number(options_.step, 4).number(angle(first_), 4).number(angle(last_), 4);
   if (name == "LMPscancfg") {
@@ -172,13 +173,11 @@ std::optional<ColaWords> ColaDevice::measured(const std::string& name) const {
     return out.number(options_.step, 4).number(angle(0), 4).number(angle(options_.beams - 1), 4);
   }
   if (name == "LMDscandatacfg") {
-    for (std::size_t i = 0; i < outputs_.size(); ++i) {
-      const std::uint32_t value = i == 0    ? options_.channels
-                                  : i == 2  ? options_.rssi
-                                  : i == 11 ? options_.interval
-                                            : outputs_[i];
-      out.number(value, outputs_widths[i]);
-    }
+    std::vector<std::uint32_t> now = outputs_;
+    now[0] = options_.channels;
+    now[2] = options_.rssi;
+    now[11] = options_.interval;
+    for (std::size_t i = 0; i < now.size(); ++i) out.number(now[i], outputs_widths[i]);
     return out;
   }
   if (name == "LCMstate" && options_.contamination) return out.number(*options_.contamination, 1);

@@ -92,6 +92,7 @@ class Session {
       return in.ok() && in.left() == 0 ? all : "no text";
     });
   }
+  const ColaTelegram& answer() const { return telegram_; }
   unsigned refusal() const { return telegram_.kind() == "sFA" ? sick::cola_error_code(telegram_) : 0; }
   std::string answered() const { return std::string(telegram_.kind()) + " " + std::string(telegram_.name()); }
   void log_in(std::uint32_t password = 0xF4724744) {
@@ -240,6 +241,9 @@ TEST_P(ColaStart, EachTelegramIsAnsweredAndScansCome) {
   }
   EXPECT_EQ(read(session, "LFErec", {2}).at(0), 0U);
   call(session, "LMCstartmeas", 0);
+  session.ask("sRN STlms");
+  EXPECT_EQ(read_arguments(session.answer(), [](auto in) { return in.u16(); }), 7U)
+      << "so the LMS1xx driver waits";
   call(session, "Run", 1);
   EXPECT_EQ(read(session, "SCdevicestate", {1}).at(0), 1U);
   session.ask("sEN LMDscandata", {{1, 1}});
