@@ -77,33 +77,32 @@ std::uint32_t ColaDevice::device_us(Stamp when) const {
 
 /// Whatever is not framed in its own dialect it throws away.
 bool ColaDevice::take_frame(std::string& payload) {
-  const bool binary = options_.dialect == Cola::binary;
-  const std::string mark = binary ? std::string(4, '\2') : "\2s";
-  const std::size_t begin = buffer_.find(mark);
-  if (begin == std::string::npos) return false;
-  buffer_.erase(0, begin);
-  if (!binary) {
-    const std::size_t end = buffer_.find('\3');
-    if (end == std::string::npos) return false;
-    payload = buffer_.substr(1, end - 1);
-    buffer_.erase(0, end + 1);
+  if (options_.dialect == Cola::text) {
+    for (std::size_t end = 0; (end = buffer_.find('\3')) != std::string::npos;) {
+      const std::size_t begin = buffer_.rfind('\2', end);
+      if (begin != std::string::npos) payload = buffer_.substr(begin + 1, end - begin - 1);
+      buffer_.erase(0, end + 1);
+      if (begin != std::string::npos) return true;
+    }
+    return false;
+  }
+  const std::string mark(4, '\2');
+  constexpr std::size_t longest = 4096;
+  for (std::size_t begin = 0; (begin = buffer_.find(mark)) != std::string::npos; buffer_.erase(0, 1)) {
+    buffer_.erase(0, begin);
+    if (buffer_.size() < 8) return false;
+    std::size_t length = 0;
+    for (std::size_t i = 4; i < 8; ++i) length = length << 8U | static_cast<std::uint8_t>(buffer_[i]);
+    if (length > longest) continue;
+    if (buffer_.size() < length + 9) return false;
+    payload = buffer_.substr(8, length);
+    char sum = 0;
+    for (const char c : payload) sum = static_cast<char>(sum ^ c);
+    if (sum != buffer_[length + 8]) continue;
+    buffer_.erase(0, length + 9);
     return true;
   }
-  if (buffer_.size() < 8) return false;
-  std::size_t length = 0;
-  for (std::size_t i = 4; i < 8; ++i) length = length << 8U | static_cast<std::uint8_t>(buffer_[i]);
-  constexpr std::size_t longest = 4096;
-  if (length > longest) {
-    buffer_.erase(0, 1);
-    return take_frame(payload);
-  }
-  if (buffer_.size() < length + 9) return false;
-  payload = buffer_.substr(8, length);
-  char sum = 0;
-  for (const char c : payload) sum = static_cast<char>(sum ^ c);
-  const bool right = sum == buffer_[length + 8];
-  buffer_.erase(0, right ? length + 9 : 1);
-  return right || take_frame(payload);
+  return false;
 }
 
 void ColaDevice::receive(std::string_view bytes, Stamp now) {

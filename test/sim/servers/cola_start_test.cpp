@@ -306,6 +306,15 @@ TEST(ColaTelegrams, DamagedFramesDoNotHideTheNextTelegram) {
   EXPECT_EQ(session.numbers({1}), std::vector<std::uint32_t>{1});
 }
 
+TEST(ColaTelegrams, ATextDeviceAnswersTextAlone) {
+  Session session("sick_lms1xx", ColaDialect::a);
+  using namespace std::string_literals;
+  session.send("\2\2\2\2\0\0\0\x11sRN SCdevicestate\x30"s);
+  session.send("\3\2hello\3"s);
+  EXPECT_EQ((session.next(), session.refusal()), 12U) << "and nothing before";
+  EXPECT_EQ(read(session, "SCdevicestate", {1}).at(0), 1U);
+}
+
 TEST(ColaTelegrams, NumbersOfTextMayHaveLeadingZerosOrASign) {
   Session session("sick_lms1xx", ColaDialect::a);
   // So the LMS1xx driver of ROS logs in and writes (LMS1xx.cpp).
