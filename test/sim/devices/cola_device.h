@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "test/sim/devices/cola_telegram.h"
+#include "test/sim/devices/cola_variables.h"
 #include "test/sim/devices/tcp_device.h"
 
 namespace lidard::sim {
@@ -55,8 +56,11 @@ struct ColaBeam {
 /// What the device sees in a sweep whose first beam fires then.
 using ColaScene = std::function<std::vector<ColaBeam>(Stamp first_beam, std::size_t beams)>;
 
-/// The simulated scanner. Understands DeviceIdent, LMPoutputRange, LMDscandatacfg, SetAccessMode, Run and
-/// subscriptions; like the real ones it sends no scans while somebody is logged in.
+/// The simulated scanner. A client logs in, reads and writes variables, calls methods and subscribes; what
+/// the device does not know, does not allow or cannot parse it refuses with SICK's error code (sFA). The
+/// scans follow LMDscandatacfg (not its encoder, position, name and comment), LMPoutputRange and
+/// FREchoFilter; other variables are kept without effect. Like the real ones it sends no scans while somebody
+/// is logged in.
 class ColaDevice : public TcpDevice {
  public:
   ColaDevice(ColaDeviceOptions options, ColaScene scene, Stamp power_on);
@@ -78,13 +82,24 @@ class ColaDevice : public TcpDevice {
   void produce(Stamp until) override;
 
  private:
+  using Telegram = std::vector<std::uint8_t>;
   bool take_frame(std::string& payload);
   void answer(const std::string& payload, Stamp now);
-  std::vector<std::uint8_t> answer_to(const std::string& command, const std::string& arguments, Stamp now);
-  std::vector<std::uint8_t> refuse(unsigned code) const;
-  std::vector<std::uint8_t> settings() const;
-  void take_settings(const std::string& arguments);
-  bool is_password(const std::string& arguments) const;
+  Telegram answer_to(const std::string& command, const std::string& arguments, Stamp now);
+  Telegram read(const std::string& name, Stamp now);
+  /// The answer of a variable that the measurement decides.
+  std::optional<ColaWords> measured(const std::string& name) const;
+  Telegram write(const std::string& name, const std::string& arguments);
+  /// Empty, or why the device refuses.
+  std::optional<unsigned> apply_outputs(const std::string& arguments);
+  std::optional<unsigned> apply_range(const std::string& arguments);
+  std::optional<unsigned> apply_echoes(const std::string& arguments);
+  Telegram call(const std::string& name, const std::string& arguments);
+  Telegram subscribe(const std::string& name, const std::string& arguments, Stamp now);
+  Telegram refuse(unsigned code) const;
+  ColaWords words(const std::string& command) const { return {options_.dialect, command}; }
+  void set_up();
+  void next_scan_after(Stamp now) { next_scan_ = (now - power_on_) / period() + 1; }
   std::uint32_t device_us(Stamp when) const;
   void send_scan(std::int64_t number, Stamp first_beam);
 
@@ -93,7 +108,11 @@ class ColaDevice : public TcpDevice {
   Stamp power_on_;
   std::string buffer_, received_;
   int writes_ = 0;
-  bool subscribed_ = false, logged_in_ = false;
+  bool subscribed_ = false, polled_ = false, logged_in_ = false, stopped_ = false;
+  std::map<std::string, ColaVariable> variables_;
+  std::vector<std::uint32_t> outputs_;  ///< LMDscandatacfg as written
+  std::uint32_t echo_filter_ = 1;       ///< first, all, last
+  std::size_t first_ = 0, last_ = 0;    ///< beams of the output range
   std::int64_t next_scan_ = 0;
   std::uint16_t telegrams_ = 0;
 };

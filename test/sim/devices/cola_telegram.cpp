@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
+#include <sstream>
 
 namespace lidard::sim {
 
@@ -67,6 +69,33 @@ std::vector<std::uint8_t> ColaWords::bytes() const {
   return out;
 }
 
+std::optional<std::vector<std::uint32_t>> parse_numbers(Cola dialect, const std::string& arguments,
+                                                        const std::vector<int>& widths) {
+  std::vector<std::uint32_t> numbers;
+  if (dialect == Cola::text) {
+    std::istringstream words(arguments);
+    for (std::string word; words >> word;) {
+      char* end = nullptr;
+      const int base = word[0] == '+' || word[0] == '-' ? 10 : 16;
+      numbers.push_back(static_cast<std::uint32_t>(std::strtoll(word.c_str(), &end, base)));
+      if (*end != '\0') return std::nullopt;
+    }
+    if (numbers.size() != widths.size()) return std::nullopt;
+    return numbers;
+  }
+  std::size_t at = 0;
+  for (const int width : widths) {
+    std::uint32_t number = 0;
+    for (int i = 0; i < width; ++i) {
+      if (at == arguments.size()) return std::nullopt;
+      number = number << 8U | static_cast<std::uint8_t>(arguments[at++]);
+    }
+    numbers.push_back(number);
+  }
+  if (at != arguments.size()) return std::nullopt;
+  return numbers;
+}
+
 namespace {
 
 void put_channels(ColaWords& out, const std::vector<SickChannel>& channels, bool wide) {
@@ -105,11 +134,12 @@ std::vector<std::uint8_t> SickScan::bytes(Cola dialect) const {
   if (position) out.number(3, 1);
   put_text(out, name);
   put_text(out, comment);
-  out.number(time ? 1 : 0, 2);
-  if (time) {
-    out.number(2026, 2);
-    for (const std::uint32_t part : {11U, 21U, 13U, 59U, 58U}) out.number(part, 1);
-    out.number(123456, 4);
+  out.number(calendar_us ? 1 : 0, 2);
+  if (calendar_us) {
+    const auto second = static_cast<std::uint32_t>(*calendar_us / 1'000'000);
+    out.number(1970, 2).number(1, 1).number(1 + second / 86400, 1).number(second / 3600 % 24, 1);
+    out.number(second / 60 % 60, 1).number(second % 60, 1);
+    out.number(static_cast<std::uint32_t>(*calendar_us % 1'000'000), 4);
   }
   out.number(event ? 1 : 0, 2);
   if (event) out.letters("FDEC").number(7, 4);

@@ -27,6 +27,8 @@ class ColaWords {
   ColaWords& text(const std::string& text, int length_bytes);
   /// The telegram in its frame.
   std::vector<std::uint8_t> bytes() const;
+  /// The telegram without its frame.
+  const std::string& payload() const { return payload_; }
 
  private:
   void separate();
@@ -35,6 +37,11 @@ class ColaWords {
   std::string payload_;
   bool has_values_ = false;
 };
+
+/// The arguments of a command as numbers of so many bytes each; in CoLa A hexadecimal, or decimal with a
+/// sign. Empty if they are fewer, more, or no numbers.
+std::optional<std::vector<std::uint32_t>> parse_numbers(Cola dialect, const std::string& arguments,
+                                                        const std::vector<int>& widths);
 
 struct SickChannel {
   std::string name = "DIST1";
@@ -62,7 +69,7 @@ struct SickScan {
   std::vector<SickChannel> channels;
   bool position = false;
   std::string name, comment;
-  bool time = false;
+  std::optional<std::uint64_t> calendar_us;  ///< date and time since 1970-01-01, below a month
   bool event = false;
 
   std::vector<std::uint8_t> bytes(Cola dialect) const;

@@ -66,7 +66,7 @@ SickScan the_lot() {
   s.position = true;
   s.name = "front left";  // with a blank
   s.comment = "x";
-  s.time = true;
+  s.calendar_us = 123'456'789;
   s.event = true;
   return s;
 }
