@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/commands/calibrate.h"
 
+#include <cmath>
 #include <map>
 #include <ostream>
 #include <stdexcept>
@@ -61,26 +62,31 @@ Pose new_pose(const CalibratedSensor& sensor, bool has_drive) {
   return pose;
 }
 
-/// The configuration with other mounts. Throws std::runtime_error for a file that cannot be edited.
-std::string edited(const std::string& config, const std::map<std::string, MountEdit>& mounts) {
-  try {
-    return with_mounts(read_file(config, "a readable YAML file"), mounts);
-  } catch (const std::runtime_error& error) {
-    throw std::runtime_error(config + ": " + error.what());
+void write_mounts(const CalibrateOptions& options, const Config& before,
+                  const std::vector<CalibratedSensor>& sensors) {
+  std::map<std::string, MountEdit> mounts, wanted;
+  for (const SensorConfig& sensor : before.sensors) {
+    if (sensor.pose) wanted[sensor.name] = {*sensor.pose, seconds(sensor.driver.time_offset)};
   }
-}
-
-void write_mounts(const CalibrateOptions& options, const std::vector<CalibratedSensor>& sensors) {
-  std::map<std::string, MountEdit> mounts;
   for (const CalibratedSensor& sensor : sensors) {
     if (!sensor.is_changed()) continue;
     MountEdit& edit = mounts[sensor.config->name];
     edit.pose = sensor.after;
     if (sensor.sigma(3)) edit.time_offset = sensor.time_offset_after();
+    wanted[sensor.config->name] = {sensor.after, edit.time_offset.value_or(sensor.time_offset_before())};
   }
-  const std::string text = edited(options.config, mounts);
-  static_cast<void>(
-      parse_config(text, options.config));  // throws where the file has a form that cannot be edited
+  const std::string text =
+      with_mounts(read_file(options.config, "a readable YAML file"), options.config, mounts);
+  // An anchor may have carried a new mount to the entry of another sensor.
+  for (const SensorConfig& sensor : parse_config(text, options.config).sensors) {
+    const auto want = wanted.find(sensor.name);
+    if (want == wanted.end()) continue;
+    if ((sensor.pose->matrix() - want->second.pose.matrix()).norm() > 5e-4 ||
+        std::abs(seconds(sensor.driver.time_offset) - *want->second.time_offset) > 2e-5)
+      throw ConfigError(options.config + ": sensors." + sensor.name +
+                        " shares its mount with another sensor by an anchor; expected its own: " +
+                        mount_text(want->second));
+  }
   TextFile file(options.output);
   file.write(text);
   file.close();
@@ -141,7 +147,7 @@ int calibrate(const CalibrateOptions& options, std::ostream& out, std::ostream& 
     if (driven != nullptr) out << cell(report["odometry"]["remark"]) << '\n';
   }
   if (!options.picture.empty()) draw_calibration(options.picture, sensors, config, driven);
-  if (any && !options.output.empty()) write_mounts(options, sensors);
+  if (any && !options.output.empty()) write_mounts(options, config, sensors);
   if (!any) err << "nothing was determined, and nothing is written\n";
   return any ? exit_ok : exit_failed;
 }
