@@ -33,10 +33,8 @@ constexpr std::size_t least_judged = 60;
 // Returns that count against a place beside those that do, so that few returns must agree better.
 constexpr double against_a_place = 4;
 constexpr std::size_t coarse_surfaces = 80;
-// Steps of the bias that surfaces may have in common for their beams, m, and what slow biases hide in the
-// fit.
-constexpr std::array<double, 9> biases{0, 0.0005, 0.001, 0.002, 0.003, 0.005, 0.007, 0.010, 0.015};
-constexpr double hidden_bias = 1.4;
+// Steps of the bias that surfaces may have in common for their beams, m, each as likely as the others.
+constexpr std::array<double, 9> biases{0.0003, 0.0006, 0.001, 0.0015, 0.0025, 0.004, 0.006, 0.010, 0.015};
 // What is known no better than this, m and rad, is not determined.
 constexpr double worst_m = 0.01, worst_rad = 0.1 * rad_per_deg;
 // By how much a configured pose may be wrong, standard deviation.
@@ -218,10 +216,37 @@ void keep_configured(WallFit::Sensor& sensor, const PlanarPose& configured) {
   }
 }
 
+/// The bias that the residuals show. A few walls show it badly, so that it is the mean of what may be.
+WallFit::Bias learn_bias(WallFit& fit) {
+  WallFit::Bias bias{0.003, 0.003};
+  for (double WallFit::Bias::*const part :
+       {&WallFit::Bias::turning, &WallFit::Bias::across, &WallFit::Bias::turning, &WallFit::Bias::across}) {
+    std::array<double, biases.size()> unlikely{};
+    for (std::size_t i = 0; i < biases.size(); ++i) {
+      bias.*part = biases[i];
+      fit.refine(bias, 2);
+      unlikely[i] = fit.unlikeliness();
+    }
+    const double least = *std::min_element(unlikely.begin(), unlikely.end());
+    double sum = 0, square = 0;
+    for (std::size_t i = 0; i < biases.size(); ++i) {
+      const double likely = std::exp((least - unlikely[i]) / 2);
+      sum += likely, square += likely * biases[i] * biases[i];
+    }
+    bias.*part = std::sqrt(square / sum);
+  }
+  return bias;
+}
+
 void describe(const WallFit& fit, std::size_t index, const PlanarPose& configured, MountEstimate& estimate) {
   const WallFit::Sensor& sensor = fit.sensors()[index];
   estimate.pose = sensor.pose;
   estimate.surfaces = sensor.shared;
+  if (sensor.shared == 0) {
+    estimate.verdict = MountVerdict::unconnected;
+    estimate.pose = configured;
+    return;
+  }
   estimate.covariance = fit.covariance(index);
   estimate.range_offset = fit.offset_of(index);
   const auto sigma = [&](int c) { return std::sqrt(estimate.covariance(c, c)); };
@@ -311,15 +336,11 @@ MountSolution solve_mounts(const std::vector<MountedSensor>& sensors, std::size_
     fit.find_held();
     for (std::size_t i = 1; i < placed.size(); ++i)
       keep_configured(fit.sensor(i), sensors[placed[i]].configured);
-    fit.refine(0.003, 4);
+    fit.refine({0.003, 0.003}, 4);
   }
-  for (const double bias : biases) {
-    solution.chi_square = fit.refine(bias, 2);
-    solution.bias = bias;
-    if (solution.chi_square <= 1) break;
-  }
-  solution.bias *= hidden_bias;
-  solution.chi_square = fit.refine(solution.bias, 3);
+  const WallFit::Bias bias = learn_bias(fit);
+  fit.refine(bias, 3);
+  solution.bias = bias.across, solution.chi_square = fit.chi_square();
   for (std::size_t i = 1; i < placed.size(); ++i)
     describe(fit, i, sensors[placed[i]].configured, solution.sensors[placed[i]]);
   return solution;
