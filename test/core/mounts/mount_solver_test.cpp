@@ -204,7 +204,6 @@ TEST(MountSolver, PlacesThatLookAlikeFromSeveralPosesAreRefused) {
       EXPECT_NE(solution.sensors[i].verdict, MountVerdict::found);
     }
   };
-  verdict_in([](Place& corridor) { corridor.box({0, 0}, 200, 6, 0.1); });
   verdict_in([](Place& rectangle) { rectangle.box({0.3, 0.4}, 24, 16, 0.2); });
   verdict_in([](Place& silo) { silo.round({1.5, 0.7}, 8, 720); });
   verdict_in([](Place& /*open field*/) {});
@@ -239,6 +238,45 @@ TEST(MountSolver, BeforeAnArcThePosesTurnedAboutItsMiddleAreWithinTheDeviation) 
   const Eigen::Vector2d arm = Eigen::Vector2d(estimate.pose.x, estimate.pose.y) - about;
   const Eigen::Vector3d turned = rad_per_deg * Eigen::Vector3d(-arm.y(), arm.x(), 1);
   EXPECT_LT(turned.dot(estimate.covariance.inverse() * turned), 1) << "nothing shows a turn by a degree";
+}
+
+TEST(MountSolver, AcrossACorridorMountsAreFoundAndAlongItTheyStayAsConfigured) {
+  for (const double yaw : {0.0, 0.1}) {
+    for (unsigned seed = 1; seed <= 10; ++seed) {
+      SCOPED_TRACE(std::to_string(yaw) + ", seed " + std::to_string(seed));
+      Trial trial(seed);
+      trial.place.box({0, 0.3}, 200, 6, yaw);
+      trial.add({0.5, 1, 0.7}, {0.01, 0.005});
+      trial.add({0.5, -1, -0.7}, {0.01, 0.005});
+      const MountSolution solution = solve_mounts(trial.sensors, 0);
+      const MountEstimate& found = solution.sensors[1];
+      const PlanarPose& configured = trial.sensors[1].configured;
+      ASSERT_EQ(found.verdict, MountVerdict::found);
+      ASSERT_EQ(found.free.size(), 1U);
+      EXPECT_FALSE(found.free[0].turn);
+      // The corridor as the reference, which stays as it is configured, sees it.
+      const Vector2d along =
+          trial.sensors[0].configured.turned(trial.truth[0].inverse().turned({std::cos(yaw), std::sin(yaw)}));
+      EXPECT_GT(std::abs(found.free[0].shift.dot(along)), 0.9999);
+      const Eigen::Vector3d error = trial.error(solution, 1);
+      EXPECT_LT(std::abs(along.x() * error.y() - along.y() * error.x()), 0.006);
+      EXPECT_LT(std::abs(error[2]), 0.05 * rad_per_deg);
+      EXPECT_NEAR(along.dot(Vector2d(found.pose.x - configured.x, found.pose.y - configured.y)), 0, 0.003);
+      EXPECT_TRUE(found.determined[2]);
+      EXPECT_FALSE(found.determined[std::abs(along.x()) > std::abs(along.y()) ? 0 : 1]);
+    }
+  }
+}
+
+TEST(MountSolver, AScannerThatHangsUpsideDownInACorridorIsNotPlacedWrong) {
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    Trial trial(seed);
+    trial.place.box({0, 0.3}, 200, 6, 0);
+    trial.add({0.5, 1, 0.7}, {}, false, 0.2);
+    trial.add({0.5, -1, -0.7}, {}, true, 0.2);
+    const MountEstimate estimate = solve_mounts(trial.sensors, 0).sensors[1];
+    EXPECT_NE(estimate.verdict, MountVerdict::found) << seed;
+  }
 }
 
 TEST(MountSolver, AlongACorridorThatIsConfiguredNearlyRightNothingIsChanged) {
