@@ -2,12 +2,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/commands/calibrate.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <map>
 #include <ostream>
 #include <stdexcept>
 
 #include "core/base/angle.h"
+#include "core/mounts/seen_motion.h"
 #include "daemon/config/pose_edit.h"
 #include "daemon/config/reading.h"
 #include "daemon/files/snapshot_view.h"
@@ -113,6 +116,29 @@ std::size_t reference_of(const std::vector<CalibratedSensor>& sensors, const std
                            ": no such sensor with a pose and frames in the captures");
 }
 
+/// Throws std::runtime_error if half of the sensors see that the vehicle moves.
+void require_standing(const std::vector<CalibratedSensor>& sensors) {
+  constexpr double highest_ground_m = 0.25;
+  std::size_t moving = 0;
+  SeenMotion most;
+  std::string by;
+  for (const CalibratedSensor& sensor : sensors) {
+    const double lowest = sensor.is_cloud ? highest_ground_m - sensor.before.translation().z() : -1e9;
+    const auto motion = find_motion(sensor.sweeps, sensor.tilt, sensor.configured(), lowest);
+    if (!motion) continue;
+    if (++moving == 1 || (motion->is_measured && !most.is_measured)) most = *motion, by = sensor.config->name;
+  }
+  if (moving == 0 || 2 * moving < sensors.size()) return;
+  throw std::runtime_error(fmt::format(
+      "the vehicle moves in this capture: {} sees {} from {:.1f} s on; record while it stands, or give "
+      "its odometry with --motion",
+      by,
+      most.is_measured
+          ? fmt::format("it go at least {:.2f} m and turn by {:.1f} deg", most.way, most.turn * deg_per_rad)
+          : "other surroundings",
+      most.time));
+}
+
 int calibrate(const CalibrateOptions& options, std::ostream& out, std::ostream& err) {
   const Config config = load_config(options.config);
   for (const auto& warning : config.warnings) err << warning << '\n';
@@ -121,6 +147,7 @@ int calibrate(const CalibrateOptions& options, std::ostream& out, std::ostream& 
   Drive* const driven = drive ? &*drive : nullptr;
   std::vector<CalibratedSensor> sensors = seeing(play_calibrated(options, config, driven), err);
   const std::size_t reference = reference_of(sensors, options.reference);
+  if (driven == nullptr) require_standing(sensors);
   std::vector<MountedSensor> mounted;
   mounted.reserve(sensors.size());
   for (CalibratedSensor& sensor : sensors) mounted.push_back(place_of(sensor));
