@@ -104,39 +104,6 @@ struct Move {
   MatchedPose seen;         // of the second sweep in the frame of the first
 };
 
-/// The upright surfaces of a sweep, as they are seen from where the sensor was at its stamp.
-std::vector<Surface> surfaces_of(const DriveSweep& sweep, const Matrix3d& tilt, const PlanarPose& mount,
-                                 double offset, const DriveTrack& track) {
-  const double time = sweep.time + offset;
-  const PlanarPose back = (track.at(time) * mount).inverse();
-  std::vector<StillView> views;
-  PlanarPose moved;
-  float placed = std::numeric_limits<float>::quiet_NaN();
-  for (const DriveSweep::Return& seen : sweep.returns) {
-    while (views.size() <= seen.ring) {
-      views.emplace_back();
-      views.back().step = sweep.step, views.back().ring = views.size() - 1;
-    }
-    // Within half a millisecond the vehicle hardly moves.
-    constexpr float tick = 0.0005F;
-    if (!(std::abs(seen.later - placed) <= tick / 2)) {
-      placed = seen.later + tick / 2;
-      moved = back * track.at(time + static_cast<double>(placed)) * mount;
-    }
-    const Vector3d level = tilt * seen.point.cast<double>();
-    StillBeam beam;
-    beam.point = moved * Vector2d(level.head<2>());
-    beam.range = beam.point.norm(), beam.height = level.z();
-    views[seen.ring].beams.push_back(beam);
-  }
-  std::vector<double> scratch;
-  for (StillView& view : views) estimate_noise(view, scratch);
-  if (views.size() > 1) return find_upright(views);
-  std::vector<Surface> surfaces;
-  if (!views.empty()) find_surfaces(views[0], surfaces);
-  return surfaces;
-}
-
 PlanarPose motion_of(const DriveTrack& track, double from, double to) {
   return track.at(from).inverse() * track.at(to);
 }
@@ -338,6 +305,41 @@ DriveEstimate estimate_of(std::size_t s, const std::vector<DrivenSensor>& sensor
 }
 
 }  // namespace
+
+std::vector<Surface> surfaces_of(const DriveSweep& sweep, const Matrix3d& tilt, const PlanarPose& mount,
+                                 double offset, const DriveTrack& track, std::vector<StillView>* all) {
+  const double time = sweep.time + offset;
+  const PlanarPose back = (track.at(time) * mount).inverse();
+  std::vector<StillView> views;
+  PlanarPose moved;
+  float placed = std::numeric_limits<float>::quiet_NaN();
+  for (const DriveSweep::Return& seen : sweep.returns) {
+    while (views.size() <= seen.ring) {
+      views.emplace_back();
+      views.back().step = sweep.step, views.back().ring = views.size() - 1;
+    }
+    // Within half a millisecond the vehicle hardly moves.
+    constexpr float tick = 0.0005F;
+    if (!(std::abs(seen.later - placed) <= tick / 2)) {
+      placed = seen.later + tick / 2;
+      moved = back * track.at(time + static_cast<double>(placed)) * mount;
+    }
+    const Vector3d level = tilt * seen.point.cast<double>();
+    StillBeam beam;
+    beam.point = moved * Vector2d(level.head<2>());
+    beam.range = beam.point.norm(), beam.height = level.z();
+    views[seen.ring].beams.push_back(beam);
+  }
+  std::vector<double> scratch;
+  for (StillView& view : views) estimate_noise(view, scratch);
+  std::vector<Surface> surfaces;
+  if (views.size() > 1)
+    surfaces = find_upright(views);
+  else if (!views.empty())
+    find_surfaces(views[0], surfaces);
+  if (all != nullptr) *all = std::move(views);
+  return surfaces;
+}
 
 DriveSolution solve_drive(const std::vector<OdometryPose>& odometry,
                           const std::vector<DrivenSensor>& sensors) {

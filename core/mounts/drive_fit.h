@@ -24,6 +24,12 @@ struct DriveSweep {
   std::vector<Return> returns;  ///< those of a ring by azimuth
 };
 
+/// The upright surfaces of a sweep, as they are seen from where the sensor was at its stamp, `offset` s later
+/// by the clock of `track`. `all`: the views of its rings, too.
+std::vector<Surface> surfaces_of(const DriveSweep& sweep, const Eigen::Matrix3d& tilt,
+                                 const PlanarPose& mount, double offset, const DriveTrack& track,
+                                 std::vector<StillView>* all = nullptr);
+
 /// One sweep of each sensor in so many seconds is used.
 constexpr double keyframe_s = 0.5;
 

@@ -5,6 +5,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "core/base/angle.h"
 #include "core/mounts/wall_fit.h"
@@ -29,33 +30,24 @@ constexpr double least_agreement = 0.9, least_margin = 0.05, least_margin_elsewh
 // configured.
 constexpr double farthest_start_m = 1.5, farther_by_distance = 0.5,
                  about_as_configured_rad = 45 * rad_per_deg;
+// Across a corridor, which cannot show more, a configured pose is no more wrong than this, m.
+constexpr double configured_wrong_m = 0.5;
+// A direction is a turn if its part of turning exceeds this, and a shift else.
+constexpr double turning_part = 0.3;
 constexpr std::size_t least_judged = 60;
 // Returns that count against a place beside those that do, so that few returns must agree better.
 constexpr double against_a_place = 4;
 constexpr std::size_t coarse_surfaces = 80;
-// Steps of the bias that surfaces may have in common for their beams, m, and what slow biases hide in the
-// fit.
-constexpr std::array<double, 9> biases{0, 0.0005, 0.001, 0.002, 0.003, 0.005, 0.007, 0.010, 0.015};
-constexpr double hidden_bias = 1.4;
+// Surfaces of a wall are joined within these, m, one after the other.
+constexpr std::array<double, 3> wall_gates{0.12, 0.08, 0.06};
+// Steps of the bias that surfaces may have in common for their beams, m, and their size in what data sheets
+// say and tests of scanners find.
+constexpr std::array<double, 9> biases{0.0003, 0.0006, 0.001, 0.0015, 0.0025, 0.004, 0.006, 0.010, 0.015};
+constexpr double usual_bias = 0.005;
 // What is known no better than this, m and rad, is not determined.
 constexpr double worst_m = 0.01, worst_rad = 0.1 * rad_per_deg;
 // By how much a configured pose may be wrong, standard deviation.
 constexpr double configured_m = 0.3, configured_rad = 10 * rad_per_deg;
-
-SeenPlace mirrored(SeenPlace place) {
-  for (StillView& view : place.views) {
-    for (StillBeam& beam : view.beams) beam.point.y() = -beam.point.y();
-  }
-  for (Surface& surface : place.surfaces) {
-    surface.middle.y() = -surface.middle.y(), surface.normal.y() = -surface.normal.y();
-    surface.along = {-surface.along.x(), surface.along.y()};
-    std::swap(surface.from, surface.to);
-    surface.from = -surface.from, surface.to = -surface.to;
-    surface.slope_by_range = -surface.slope_by_range;
-    for (Vector2d& point : surface.points) point.y() = -point.y();
-  }
-  return place;
-}
 
 /// The longest surfaces, which suffice for the coarse steps.
 std::vector<Surface> longest(std::vector<Surface> surfaces) {
@@ -78,6 +70,12 @@ struct Place {
   Agreement agreement;
   // Farther from the configured place than a tape errs, along a corridor: nothing to find, but a rival.
   bool is_far;
+
+  bool is_judged() const { return agreement.judged() >= least_judged; }
+  bool agrees() const {
+    return is_judged() && static_cast<double>(agreement.confirmed) >=
+                              least_agreement * (static_cast<double>(agreement.judged()) + against_a_place);
+  }
 };
 
 /// Share of the points of surfaces of `b` that lie on one of `a`: for sensors of which none sees through a
@@ -124,12 +122,53 @@ std::vector<Place> find_places(const SeenPlace& a, const SeenPlace& b, const Pla
       try_start(aside, 0, two_pi * i / starts), try_start(0, aside, two_pi * i / starts);
   }
   std::stable_sort(places.begin(), places.end(), [](const Place& x, const Place& y) {
-    const bool x_judged = x.agreement.judged() >= least_judged,
-               y_judged = y.agreement.judged() >= least_judged;
-    if (x_judged != y_judged) return x_judged;
+    if (x.is_judged() != y.is_judged()) return x.is_judged();
     return x.agreement.share() > y.agreement.share();
   });
   return places;
+}
+
+/// The direction in which alone surfaces that both see let `b` slide; nothing: there is none, or another one.
+std::optional<Vector2d> slide_of(const SeenPlace& a, const SeenPlace& b, const PlanarPose& pose) {
+  std::vector<WallFit::Sensor> both(2);
+  both[0].place = &a, both[0].is_fixed = true, both[1].place = &b, both[1].pose = pose;
+  WallFit fit(both);
+  if (!fit.find_walls(wall_gates[0])) return std::nullopt;
+  fit.find_held();
+  const std::vector<Eigen::Vector3d>& held = fit.sensors()[1].held;
+  if (held.size() != 1 || std::abs(held[0][2]) > turning_part) return std::nullopt;
+  return held[0].head<2>().normalized();
+}
+
+/// In a corridor, which looks the same farther along, turned by half and upside down: the place about as
+/// configured, if there is but one across the corridor. `places`: the best first.
+std::optional<Place> place_across(const SeenPlace& a, const SeenPlace& b, const PlanarPose& configured,
+                                  const std::vector<Place>& places) {
+  const auto turned = [](const PlanarPose& x, const PlanarPose& y) {
+    return std::abs(std::remainder(x.yaw - y.yaw, two_pi));
+  };
+  const auto best = std::find_if(places.begin(), places.end(), [&](const Place& place) {
+    return place.agrees() && turned(place.pose, configured) < about_as_configured_rad;
+  });
+  if (best == places.end()) return std::nullopt;
+  const std::optional<Vector2d> slide = slide_of(a, b, best->pose);
+  if (!slide) return std::nullopt;
+  const auto apart = [&](const PlanarPose& x, const PlanarPose& y) {
+    return std::abs(slide->x() * (y.y - x.y) - slide->y() * (y.x - x.x));
+  };
+  if (apart(best->pose, configured) >
+      configured_wrong_m + farther_by_distance * std::hypot(configured.x, configured.y))
+    return std::nullopt;
+  const bool is_rivalled = std::any_of(places.begin(), places.end(), [&](const Place& other) {
+    return other.agrees() && other.agreement.share() > best->agreement.share() - least_margin &&
+           turned(other.pose, configured) < about_as_configured_rad &&
+           (apart(other.pose, best->pose) > same_place_m || turned(other.pose, best->pose) > same_place_rad);
+  });
+  if (is_rivalled) return std::nullopt;
+  Place place = *best;
+  const double along = slide->dot(Vector2d(configured.x - place.pose.x, configured.y - place.pose.y));
+  place.pose.x += along * slide->x(), place.pose.y += along * slide->y();
+  return place;
 }
 
 /// What a pair of sensors says of the place of the second.
@@ -151,35 +190,38 @@ Pair find_pair(const std::vector<MountedSensor>& sensors, std::size_t first, std
   std::size_t as_is = upright.size();
   std::vector<Place> upside_down;
   if (b.is_planar()) upside_down = find_places(a, mirrored(b), configured);
-  const auto judged = [](const Place& place) { return place.agreement.judged() >= least_judged; };
   const auto best = [&](const std::vector<Place>& of) {
-    return of.empty() || !judged(of[0]) ? 0.0 : of[0].agreement.share();
+    return of.empty() || !of[0].is_judged() ? 0.0 : of[0].agreement.share();
   };
   pair.is_mirrored = best(upside_down) > best(upright);
   if (pair.is_mirrored) places = upside_down, as_is = upside_down.size();
-  if (as_is == 0 || !judged(places[0])) return pair;
+  if (as_is == 0 || !places[0].is_judged()) return pair;
   double next = pair.is_mirrored ? best(upright) : best(upside_down);
   for (std::size_t i = 1; i < places.size(); ++i) {
-    if (judged(places[i])) next = std::max(next, places[i].agreement.share());
+    if (places[i].is_judged()) next = std::max(next, places[i].agreement.share());
   }
   pair.pose = places[0].pose, pair.as_found = places[0].agreement;
   pair.margin = places[0].agreement.share() - next;
-  const auto confirmed = static_cast<double>(pair.as_found.confirmed),
-             judged_returns = static_cast<double>(pair.as_found.judged());
-  const bool agrees = confirmed >= least_agreement * (judged_returns + against_a_place);
+  const bool agrees = places[0].agrees();
   const double turned = std::abs(std::remainder(pair.pose.yaw - configured.yaw, two_pi));
   const bool elsewhere = pair.is_mirrored || turned > about_as_configured_rad;
   // A mount may be configured turned by half, but not by a quarter.
   const bool quarter = turned > about_as_configured_rad && turned < pi_d - about_as_configured_rad;
   pair.is_sure = agrees && !places[0].is_far && !quarter &&
                  pair.margin >= (elsewhere ? least_margin_elsewhere : least_margin);
+  if (!pair.is_sure) {
+    if (const auto across = place_across(a, b, configured, upright)) {
+      pair.pose = across->pose, pair.as_found = across->agreement;
+      pair.is_sure = true, pair.is_mirrored = false, pair.margin = 0;
+    }
+  }
   pair.is_ambiguous = agrees && !pair.is_sure;
   return pair;
 }
 
 FreeDirection direction_of(const WallFit::Sensor& sensor, const Eigen::Vector3d& held) {
   FreeDirection free;
-  free.turn = std::abs(held[2]) > 0.3;
+  free.turn = std::abs(held[2]) > turning_part;
   if (free.turn) {
     // A shift beside the turn moves the point about which it turns.
     const double rate = held[2] / sensor.lever;
@@ -218,10 +260,38 @@ void keep_configured(WallFit::Sensor& sensor, const PlanarPose& configured) {
   }
 }
 
+/// The bias that the residuals show. A few walls show it badly, so that it is the mean of what may be.
+WallFit::Bias learn_bias(WallFit& fit) {
+  WallFit::Bias bias{0.003, 0.003};
+  for (double WallFit::Bias::*const part :
+       {&WallFit::Bias::turning, &WallFit::Bias::across, &WallFit::Bias::turning, &WallFit::Bias::across}) {
+    std::array<double, biases.size()> unlikely{};
+    for (std::size_t i = 0; i < biases.size(); ++i) {
+      bias.*part = biases[i];
+      fit.refine(bias, 2);
+      unlikely[i] = fit.unlikeliness();
+    }
+    const double least = *std::min_element(unlikely.begin(), unlikely.end());
+    double sum = 0, square = 0;
+    for (std::size_t i = 0; i < biases.size(); ++i) {
+      const double likely =
+          std::exp((least - unlikely[i]) / 2 - biases[i] * biases[i] / (2 * usual_bias * usual_bias));
+      sum += likely, square += likely * biases[i] * biases[i];
+    }
+    bias.*part = std::sqrt(square / sum);
+  }
+  return bias;
+}
+
 void describe(const WallFit& fit, std::size_t index, const PlanarPose& configured, MountEstimate& estimate) {
   const WallFit::Sensor& sensor = fit.sensors()[index];
   estimate.pose = sensor.pose;
   estimate.surfaces = sensor.shared;
+  if (sensor.shared == 0) {
+    estimate.verdict = MountVerdict::unconnected;
+    estimate.pose = configured;
+    return;
+  }
   estimate.covariance = fit.covariance(index);
   estimate.range_offset = fit.offset_of(index);
   const auto sigma = [&](int c) { return std::sqrt(estimate.covariance(c, c)); };
@@ -306,20 +376,16 @@ MountSolution solve_mounts(const std::vector<MountedSensor>& sensors, std::size_
     unknown.push_back(sensor);
   }
   WallFit fit(unknown);
-  for (const double gate : {0.12, 0.08, 0.06}) {
+  for (const double gate : wall_gates) {
     if (!fit.find_walls(gate)) return solution;
     fit.find_held();
     for (std::size_t i = 1; i < placed.size(); ++i)
       keep_configured(fit.sensor(i), sensors[placed[i]].configured);
-    fit.refine(0.003, 4);
+    fit.refine({0.003, 0.003}, 4);
   }
-  for (const double bias : biases) {
-    solution.chi_square = fit.refine(bias, 2);
-    solution.bias = bias;
-    if (solution.chi_square <= 1) break;
-  }
-  solution.bias *= hidden_bias;
-  solution.chi_square = fit.refine(solution.bias, 3);
+  const WallFit::Bias bias = learn_bias(fit);
+  fit.refine(bias, 3);
+  solution.bias = bias.across, solution.chi_square = fit.chi_square();
   for (std::size_t i = 1; i < placed.size(); ++i)
     describe(fit, i, sensors[placed[i]].configured, solution.sensors[placed[i]]);
   return solution;

@@ -19,6 +19,7 @@ constexpr double widest_angle = 35 * rad_per_deg, finest_angle = 5 * rad_per_deg
 // m: the ground lies below, and most things that stand there reach down to the plane.
 constexpr double below_plane_m = 0.15, above_plane_m = 0.6;
 constexpr std::size_t judged_returns = 600;
+constexpr double stiffness = 0.003;  // of all directions, by what the surfaces show of all
 
 /// Sums of the normal equations for x, y and yaw.
 struct Sums {
@@ -87,6 +88,21 @@ PlanarPose PlanarPose::inverse() const {
   return {-back.x(), -back.y(), -yaw};
 }
 
+SeenPlace mirrored(SeenPlace place) {
+  for (StillView& view : place.views) {
+    for (StillBeam& beam : view.beams) beam.point.y() = -beam.point.y();
+  }
+  for (Surface& surface : place.surfaces) {
+    surface.middle.y() = -surface.middle.y(), surface.normal.y() = -surface.normal.y();
+    surface.along = {-surface.along.x(), surface.along.y()};
+    std::swap(surface.from, surface.to);
+    surface.from = -surface.from, surface.to = -surface.to;
+    surface.slope_by_range = -surface.slope_by_range;
+    for (Vector2d& point : surface.points) point.y() = -point.y();
+  }
+  return place;
+}
+
 PlanarPose match_surfaces(const std::vector<Surface>& a, const std::vector<Surface>& b, PlanarPose pose,
                           double gate) {
   for (; gate > finest_gate; gate *= gate_shrinks) {
@@ -94,6 +110,8 @@ PlanarPose match_surfaces(const std::vector<Surface>& a, const std::vector<Surfa
     Sums sums;
     add_points(a, b, pose, gate, cosine, false, sums);
     add_points(b, a, pose.inverse(), gate, cosine, true, sums);
+    // Along a corridor, noise alone pulls: without this it pulls far.
+    sums.levers.diagonal().head<2>().array() += stiffness * sums.levers.diagonal().head<2>().sum();
     const Eigen::Vector3d step = sums.levers.ldlt().solve(sums.pulls);
     if (!step.allFinite()) break;
     pose.x += std::clamp(step[0], -gate, gate), pose.y += std::clamp(step[1], -gate, gate);

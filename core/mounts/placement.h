@@ -27,6 +27,9 @@ struct SeenPlace {
   bool is_planar() const { return views.size() == 1; }
 };
 
+/// The same as a planar scanner sees it that hangs upside down.
+SeenPlace mirrored(SeenPlace place);
+
 /// Brings surfaces of `b` to those of `a`, from a start up to 0.5 m and 20 degrees wrong: least squares of
 /// points to lines both ways with a gate that shrinks from `gate` (m) to 3 cm.
 PlanarPose match_surfaces(const std::vector<Surface>& a, const std::vector<Surface>& b, PlanarPose start,

@@ -17,8 +17,9 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double same_direction = 5 * rad_per_deg, least_overlap = 0.3;
-constexpr double offset_of_scanner = 0.015, offset_of_ring = 0.010;  // m, prior standard deviations
-constexpr double freedom = 5;                                        // of Student's distribution
+// Prior standard deviations of what is wrong with ranges: m, and in proportion to them.
+constexpr double offset_of_scanner = 0.015, offset_of_ring = 0.010, scale_of_ranges = 0.001;
+constexpr double freedom = 5;  // of Student's distribution
 constexpr double prior_freedom = 10;
 constexpr double least_evidence = 0.04;  // of the evidence that must determine a direction
 constexpr double floor_m = 0.0002, floor_rad = 0.001 * rad_per_deg;
@@ -34,6 +35,8 @@ WallFit::WallFit(std::vector<Sensor> sensors) : sensors_(std::move(sensors)) {
     const bool planar = sensor.place->is_planar();
     offsets_.resize(offsets_.size() + sensor.place->views.size(), 0);
     offset_sigma_.resize(offsets_.size(), planar ? offset_of_scanner : offset_of_ring);
+    sensor.scale = offsets_.size();
+    offsets_.push_back(0), offset_sigma_.push_back(scale_of_ranges);
   }
 }
 
@@ -108,7 +111,10 @@ void WallFit::find_held() {
   for (std::size_t s = 0; s < sensors_.size(); ++s) {
     Sensor& sensor = sensors_[s];
     sensor.held.clear();
-    if (lines[s].empty()) continue;
+    if (lines[s].empty()) {
+      for (int i = 0; i < 3; ++i) sensor.held.emplace_back(Vector3d::Unit(i));
+      continue;
+    }
     sensor.centre.setZero();
     for (const LocalLine& line : lines[s])
       sensor.centre += sensor.pose * line.middle / static_cast<double>(lines[s].size());
@@ -143,7 +149,8 @@ WallFit::Row WallFit::row_of(const Sighting& sighting) const {
                  normal = sensor.pose.turned(surface.normal);
   const double offset = offsets_[sighting.offset];
   Row row;
-  row.across = n.dot(middle - wall.centre) - wall.offset + offset * surface.offset_by_range;
+  row.across = n.dot(middle - wall.centre) - wall.offset + offset * surface.offset_by_range +
+               offsets_[sensor.scale] * surface.normal.dot(surface.middle);
   row.slope = std::remainder(std::atan2(normal.y(), normal.x()) - wall.angle, two_pi) +
               offset * surface.slope_by_range;
   row.lever = {n.x(), n.y(), n.dot(across(middle - sensor.centre)) / sensor.lever};
@@ -151,7 +158,7 @@ WallFit::Row WallFit::row_of(const Sighting& sighting) const {
   return row;
 }
 
-double WallFit::step(double bias, bool moves) {
+void WallFit::step(const Bias& bias, bool moves) {
   Eigen::Index unknowns = 0;
   for (Sensor& sensor : sensors_) {
     sensor.first_unknown = static_cast<std::size_t>(unknowns);
@@ -166,10 +173,12 @@ double WallFit::step(double bias, bool moves) {
   Eigen::MatrixXd levers = Eigen::MatrixXd::Zero(unknowns, unknowns);
   Eigen::VectorXd pulls = Eigen::VectorXd::Zero(unknowns);
   double chi_square = 0;
+  unlikeliness_ = 0;
   for (std::size_t i = 0; i < offsets_.size(); ++i) {
     const Eigen::Index at = first_offset + static_cast<Eigen::Index>(i);
     const double weight = 1 / (offset_sigma_[i] * offset_sigma_[i]);
     levers(at, at) += weight, pulls[at] -= weight * offsets_[i];
+    unlikeliness_ += weight * offsets_[i] * offsets_[i];
   }
   for (const Sensor& sensor : sensors_) {
     if (sensor.is_fixed) continue;
@@ -183,15 +192,16 @@ double WallFit::step(double bias, bool moves) {
     const Surface& surface = *sighting.surface;
     const Row row = row_of(sighting);
     const double length = surface.length();
-    const double var_across = surface.var_offset + bias * bias;
-    const double var_slope = surface.var_slope + 12 * bias * bias / (length * length);
+    const double var_across = surface.var_offset + bias.across * bias.across;
+    const double var_slope = surface.var_slope + 12 * bias.turning * bias.turning / (length * length);
     const double chi = row.across * row.across / var_across + row.slope * row.slope / var_slope;
     const double trust = (freedom + 2) / (freedom + chi);
     chi_square += trust * chi;
+    unlikeliness_ += std::log(var_across * var_slope) + (freedom + 2) * std::log1p(chi / freedom);
     rows += 2;
-    // The columns that the two rows touch: at most 3 of the sensor, 1 of the offset, 2 of the wall.
-    std::array<Eigen::Index, 6> columns{};
-    std::array<double, 6> on_across{}, on_slope{};
+    // The columns that the two rows touch: at most 3 of the sensor, 2 of its ranges, 2 of the wall.
+    std::array<Eigen::Index, 7> columns{};
+    std::array<double, 7> on_across{}, on_slope{};
     std::size_t count = 0;
     const auto touch = [&](std::size_t column, double a, double s) {
       columns[count] = static_cast<Eigen::Index>(column), on_across[count] = a, on_slope[count] = s, ++count;
@@ -203,6 +213,7 @@ double WallFit::step(double bias, bool moves) {
     }
     touch(static_cast<std::size_t>(first_offset) + sighting.offset, surface.offset_by_range,
           surface.slope_by_range);
+    touch(static_cast<std::size_t>(first_offset) + sensor.scale, surface.normal.dot(surface.middle), 0);
     touch(wall.unknown, -1, 0);
     touch(wall.unknown + 1, row.by_angle, -1);
     for (std::size_t i = 0; i < count; ++i) {
@@ -216,14 +227,16 @@ double WallFit::step(double bias, bool moves) {
   const double spare =
       std::max(1.0, static_cast<double>(rows) -
                         static_cast<double>(unknowns - static_cast<Eigen::Index>(offsets_.size())));
+  chi_square_ = chi_square / spare;
   const Eigen::LDLT<Eigen::MatrixXd> solver(levers);
+  unlikeliness_ += solver.vectorD().array().abs().max(1e-300).log().sum();
   if (!moves) {
     inverse_ = solver.solve(Eigen::MatrixXd::Identity(unknowns, first_offset));
     scale_ = std::max(1.0, (prior_freedom + chi_square) / (prior_freedom + spare));
-    return chi_square / spare;
+    return;
   }
   const Eigen::VectorXd change = solver.solve(pulls);
-  if (!change.allFinite()) return chi_square / spare;
+  if (!change.allFinite()) return;
   for (Sensor& sensor : sensors_) {
     if (sensor.is_fixed) continue;
     const auto at = static_cast<Eigen::Index>(sensor.first_unknown);
@@ -240,12 +253,11 @@ double WallFit::step(double bias, bool moves) {
     wall.offset += change[static_cast<Eigen::Index>(wall.unknown)];
     wall.angle += change[static_cast<Eigen::Index>(wall.unknown) + 1];
   }
-  return chi_square / spare;
 }
 
-double WallFit::refine(double bias, int steps) {
+void WallFit::refine(const Bias& bias, int steps) {
   for (int i = 0; i < steps; ++i) step(bias, true);
-  return step(bias, false);
+  step(bias, false);
 }
 
 Eigen::Matrix3d WallFit::covariance(std::size_t s) const {

@@ -20,7 +20,7 @@ class WallFit {
     Eigen::Vector2d centre{0, 0};
     double lever = 1;
     std::vector<Eigen::Vector3d> held;  ///< directions that stay as they are
-    std::size_t first_unknown = 0, first_offset = 0;
+    std::size_t first_unknown = 0, first_offset = 0, scale = 0;
     std::size_t shared = 0;  ///< surfaces on walls that another sensor sees too
   };
 
@@ -29,8 +29,17 @@ class WallFit {
   bool find_walls(double gate);
   /// Sets centre, lever and held directions from what the shared surfaces determine.
   void find_held();
-  /// Gauss-Newton steps with this bias per surface; returns chi-square per degree of freedom.
-  double refine(double bias, int steps);
+  /// What the returns of a surface have in common as error: m across it, and m by which it turns the surface
+  /// (between its ends).
+  struct Bias {
+    double across, turning;
+  };
+  /// Gauss-Newton steps with this bias per surface.
+  void refine(const Bias& bias, int steps);
+  /// After refine(): chi-square per degree of freedom, and how unlikely the residuals are with that bias
+  /// (-2 log of the evidence).
+  double chi_square() const { return chi_square_; }
+  double unlikeliness() const { return unlikeliness_; }
   /// Of (x, y, yaw) of a sensor after refine().
   Eigen::Matrix3d covariance(std::size_t sensor) const;
   double offset_of(std::size_t sensor) const { return offsets_[sensors_[sensor].first_offset]; }
@@ -56,14 +65,14 @@ class WallFit {
     double by_angle;        // of the wall's angle on `across`
   };
   Row row_of(const Sighting& sighting) const;
-  double step(double bias, bool moves);
+  void step(const Bias& bias, bool moves);
 
   std::vector<Sensor> sensors_;
   std::vector<Wall> walls_;
   std::vector<Sighting> sightings_;
   std::vector<double> offsets_, offset_sigma_;
   Eigen::MatrixXd inverse_;
-  double scale_ = 1;
+  double scale_ = 1, chi_square_ = 0, unlikeliness_ = 0;
 };
 
 }  // namespace lidard

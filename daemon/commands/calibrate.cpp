@@ -2,11 +2,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/commands/calibrate.h"
 
+#include <fmt/format.h>
+
+#include <cmath>
 #include <map>
 #include <ostream>
 #include <stdexcept>
 
 #include "core/base/angle.h"
+#include "core/mounts/seen_motion.h"
 #include "daemon/config/pose_edit.h"
 #include "daemon/config/reading.h"
 #include "daemon/files/snapshot_view.h"
@@ -61,26 +65,31 @@ Pose new_pose(const CalibratedSensor& sensor, bool has_drive) {
   return pose;
 }
 
-/// The configuration with other mounts. Throws std::runtime_error for a file that cannot be edited.
-std::string edited(const std::string& config, const std::map<std::string, MountEdit>& mounts) {
-  try {
-    return with_mounts(read_file(config, "a readable YAML file"), mounts);
-  } catch (const std::runtime_error& error) {
-    throw std::runtime_error(config + ": " + error.what());
+void write_mounts(const CalibrateOptions& options, const Config& before,
+                  const std::vector<CalibratedSensor>& sensors) {
+  std::map<std::string, MountEdit> mounts, wanted;
+  for (const SensorConfig& sensor : before.sensors) {
+    if (sensor.pose) wanted[sensor.name] = {*sensor.pose, seconds(sensor.driver.time_offset)};
   }
-}
-
-void write_mounts(const CalibrateOptions& options, const std::vector<CalibratedSensor>& sensors) {
-  std::map<std::string, MountEdit> mounts;
   for (const CalibratedSensor& sensor : sensors) {
     if (!sensor.is_changed()) continue;
     MountEdit& edit = mounts[sensor.config->name];
     edit.pose = sensor.after;
     if (sensor.sigma(3)) edit.time_offset = sensor.time_offset_after();
+    wanted[sensor.config->name] = {sensor.after, edit.time_offset.value_or(sensor.time_offset_before())};
   }
-  const std::string text = edited(options.config, mounts);
-  static_cast<void>(
-      parse_config(text, options.config));  // throws where the file has a form that cannot be edited
+  const std::string text =
+      with_mounts(read_file(options.config, "a readable YAML file"), options.config, mounts);
+  // An anchor may have carried a new mount to the entry of another sensor.
+  for (const SensorConfig& sensor : parse_config(text, options.config).sensors) {
+    const auto want = wanted.find(sensor.name);
+    if (want == wanted.end()) continue;
+    if ((sensor.pose->matrix() - want->second.pose.matrix()).norm() > 5e-4 ||
+        std::abs(seconds(sensor.driver.time_offset) - *want->second.time_offset) > 2e-5)
+      throw ConfigError(options.config + ": sensors." + sensor.name +
+                        " shares its mount with another sensor by an anchor; expected its own: " +
+                        mount_text(want->second));
+  }
   TextFile file(options.output);
   file.write(text);
   file.close();
@@ -107,6 +116,29 @@ std::size_t reference_of(const std::vector<CalibratedSensor>& sensors, const std
                            ": no such sensor with a pose and frames in the captures");
 }
 
+/// Throws std::runtime_error if half of the sensors see that the vehicle moves.
+void require_standing(const std::vector<CalibratedSensor>& sensors) {
+  constexpr double highest_ground_m = 0.25;
+  std::size_t moving = 0;
+  SeenMotion most;
+  std::string by;
+  for (const CalibratedSensor& sensor : sensors) {
+    const double lowest = sensor.is_cloud ? highest_ground_m - sensor.before.translation().z() : -1e9;
+    const auto motion = find_motion(sensor.sweeps, sensor.tilt, sensor.configured(), lowest);
+    if (!motion) continue;
+    if (++moving == 1 || (motion->is_measured && !most.is_measured)) most = *motion, by = sensor.config->name;
+  }
+  if (moving == 0 || 2 * moving < sensors.size()) return;
+  throw std::runtime_error(fmt::format(
+      "the vehicle moves in this capture: {} sees {} from {:.1f} s on; record while it stands, or give "
+      "its odometry with --motion",
+      by,
+      most.is_measured
+          ? fmt::format("it go at least {:.2f} m and turn by {:.1f} deg", most.way, most.turn * deg_per_rad)
+          : "other surroundings",
+      most.time));
+}
+
 int calibrate(const CalibrateOptions& options, std::ostream& out, std::ostream& err) {
   const Config config = load_config(options.config);
   for (const auto& warning : config.warnings) err << warning << '\n';
@@ -115,6 +147,7 @@ int calibrate(const CalibrateOptions& options, std::ostream& out, std::ostream& 
   Drive* const driven = drive ? &*drive : nullptr;
   std::vector<CalibratedSensor> sensors = seeing(play_calibrated(options, config, driven), err);
   const std::size_t reference = reference_of(sensors, options.reference);
+  if (driven == nullptr) require_standing(sensors);
   std::vector<MountedSensor> mounted;
   mounted.reserve(sensors.size());
   for (CalibratedSensor& sensor : sensors) mounted.push_back(place_of(sensor));
@@ -141,7 +174,7 @@ int calibrate(const CalibrateOptions& options, std::ostream& out, std::ostream& 
     if (driven != nullptr) out << cell(report["odometry"]["remark"]) << '\n';
   }
   if (!options.picture.empty()) draw_calibration(options.picture, sensors, config, driven);
-  if (any && !options.output.empty()) write_mounts(options, sensors);
+  if (any && !options.output.empty()) write_mounts(options, config, sensors);
   if (!any) err << "nothing was determined, and nothing is written\n";
   return any ? exit_ok : exit_failed;
 }

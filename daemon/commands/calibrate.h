@@ -61,7 +61,7 @@ struct CalibratedSensor {
 };
 
 /// Plays the captures; the frames of the vehicle's first stop are averaged, sweeps of the drive are kept.
-/// `drive`: nullptr: it stands all the time.
+/// `drive`: nullptr: it stands all the time, and sweeps are kept that show it.
 std::vector<CalibratedSensor> play_calibrated(const CalibrateOptions& options, const Config& config,
                                               const Drive* drive);
 

@@ -43,8 +43,10 @@ class FrameCollector final : public FrameSink {
 
   void add(CalibratedSensor& sensor, const PlanarScan& scan) {
     if (stands(scan.stamp)) {
-      if (sensor.scans.frames() < most_scans && !sensor.scans.add(scan)) ++sensor.left_out;
-    } else if (DriveSweep* const sweep = next_sweep(sensor, scan.stamp)) {
+      if (sensor.scans.frames() >= most_scans) return;
+      if (!sensor.scans.add(scan)) ++sensor.left_out;
+    }
+    if (DriveSweep* const sweep = next_sweep(sensor, scan.stamp)) {
       sweep->step = std::abs(static_cast<double>(scan.angle_increment));
       for (std::size_t i = 0; i < scan.beams; ++i) {
         if (scan.statuses[i] != BeamStatus::hit) continue;
@@ -57,8 +59,10 @@ class FrameCollector final : public FrameSink {
   void add(CalibratedSensor& sensor, const Cloud& cloud) {
     sensor.is_cloud = true;
     if (stands(cloud.stamp)) {
-      if (sensor.scans.frames() < most_clouds) sensor.scans.add(cloud);
-    } else if (DriveSweep* const sweep = next_sweep(sensor, cloud.stamp)) {
+      if (sensor.scans.frames() >= most_clouds) return;
+      sensor.scans.add(cloud);
+    }
+    if (DriveSweep* const sweep = next_sweep(sensor, cloud.stamp)) {
       sweep->step = cloud_step;
       std::size_t rings = 1;
       for (std::size_t i = 0; i < cloud.size(); ++i)
@@ -85,12 +89,14 @@ class FrameCollector final : public FrameSink {
     if (!stop_) stop_ = time;
     return std::abs(drive_->track.way(time) - drive_->track.way(*stop_)) < same_stop_m;
   }
-  /// The sweep that begins then, if one is due while the vehicle drives.
-  DriveSweep* next_sweep(CalibratedSensor& sensor, Stamp stamp) const {
-    const double time = drive_->time(stamp);
+  /// The sweep that begins then, if one is due while the vehicle drives; without a drive, to see that it
+  /// stands.
+  DriveSweep* next_sweep(CalibratedSensor& sensor, Stamp stamp) {
+    if (!begin_) begin_ = stamp;
+    const double time = drive_ == nullptr ? seconds(stamp - *begin_) : drive_->time(stamp);
     const bool is_due = sensor.sweeps.empty() || time >= sensor.sweeps.back().time + keyframe_s;
-    if (!is_due || sensor.sweeps.size() >= most_sweeps || !drive_->track.covers(time) ||
-        drive_->track.stands(time, still_s))
+    if (!is_due || sensor.sweeps.size() >= most_sweeps) return nullptr;
+    if (drive_ != nullptr && (!drive_->track.covers(time) || drive_->track.stands(time, still_s)))
       return nullptr;
     sensor.sweeps.push_back({time, 0, {}});
     return &sensor.sweeps.back();
@@ -108,6 +114,7 @@ class FrameCollector final : public FrameSink {
   Footprint vehicle_;
   std::vector<CalibratedSensor>& sensors_;
   std::optional<double> stop_;  // s, when the vehicle first stood
+  std::optional<Stamp> begin_;  // of the first frame
 };
 
 /// The configuration without what changes the frames of a sensor or is made of them.

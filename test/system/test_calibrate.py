@@ -30,7 +30,7 @@ def parked(objects=None):
     for name, (xyz, rpy_deg) in KNOCKED.items():
         scene["sensors"][name]["pose"] = {"xyz": xyz, "rpy_deg": rpy_deg}
     if objects is not None:
-        scene["objects"] = objects
+        scene["objects"], scene["vehicle"]["start"] = objects, {"xy": [-2, 0.5], "yaw_deg": 0}
     return yaml.safe_dump(scene)
 
 
@@ -85,14 +85,65 @@ def check_multi_plane(tmp):
             expect(abs(math.remainder(got - want, 360)) < 0.01, f"{model}: {found}")
 
 
+PLANAR = ((ROOT / "config/demo.yaml").read_text().replace("model: velodyne_vlp16", "topic: /roof")
+          .replace("    ip_address: 192.168.1.201\n    ip_port: 2368\n", ""))
+
+
+def walls(*lines):
+    return [{"wall": {"from": a, "to": b, "z": [0, 3], "reflectivity": 0.6}} for a, b in lines]
+
+
 def check_refused(tmp):
-    walls = [{"wall": {"from": [-100, y], "to": [100, y], "z": [0, 3], "reflectivity": 0.6}} for y in (-4, 4)]
-    corridor = make_capture(tmp / "corridor", parked(walls))
-    (tmp / "planar.yaml").write_text((ROOT / "config/demo.yaml").read_text().replace("model: velodyne_vlp16", "topic: /roof")
-                                     .replace("    ip_address: 192.168.1.201\n    ip_port: 2368\n", ""))
-    done = run("calibrate", "-c", tmp / "planar.yaml", corridor, "-o", tmp / "none.yaml")
+    room = make_capture(tmp / "room", parked(walls(([-9, -6], [9, -6]), ([9, -6], [9, 6]), ([9, 6], [-9, 6]), ([-9, 6], [-9, -6]))))
+    (tmp / "planar.yaml").write_text(PLANAR)
+    done = run("calibrate", "-c", tmp / "planar.yaml", room, "-o", tmp / "none.yaml")
     expect(done.returncode == 1 and "nothing was determined" in done.stderr, f"{done.returncode} {done.stdout} {done.stderr}")
     expect("not determined" in done.stdout and not (tmp / "none.yaml").exists(), done.stdout)
+
+
+def check_corridor(tmp):
+    """Along a corridor x stays as configured, and y and yaw are found, from packets and from a bag."""
+    capture = make_capture(tmp / "corridor", parked(walls(*(([-100, y], [100, y]) for y in (-4, 4)))))
+    (tmp / "planar.yaml").write_text(PLANAR)
+    run("replay", "-c", tmp / "planar.yaml", capture, "--rate", "max", "--bag", tmp / "corridor.bag")
+    topics = "".join(f"  {name}: {{topic: {name}/scan, pose: {{xyz: [0, {y}, 0.35], rpy_deg: [0, 0, {45 * y}]}}}}\n" for name, y in (("front_left", 1), ("front_right", -1)))
+    (tmp / "topics.yaml").write_text("sensors:\n" + topics)
+    for config, source in (("planar.yaml", capture), ("topics.yaml", tmp / "corridor.bag")):
+        done = run("calibrate", "-c", tmp / config, source, "-o", tmp / "new.yaml")
+        expect(done.returncode == 0 and re.search(r"front_right: not determined: a shift along \(-?1.00, -?0.00\); kept as configured there", done.stdout), done.stdout + done.stderr)
+        pose = yaml.safe_load((tmp / "new.yaml").read_text())["sensors"]["front_right"]["pose"]
+        expect(abs(pose["xyz"][0]) < 0.001 and abs(pose["xyz"][1] + 1.03) < 0.003 and abs(pose["rpy_deg"][2] + 43.2) < 0.03, f"{config}: {pose}")
+
+
+def check_forms(tmp, capture):
+    """Poses in block style are written in place, and one that an anchor gives to another sensor is not."""
+    config = PLANAR.replace("{xyz: [0.0, -1.0, 0.35], rpy_deg: [0, 0, -45]}", "\n      xyz:   # by tape\n      - 0.0\n      - -1.0   # to the right\n      - 0.35\n      rpy_deg: [0, 0, -45]")
+    expect("by tape" in config, config)
+    (tmp / "block.yaml").write_text(config)
+    done = run("calibrate", "-c", tmp / "block.yaml", capture, "-o", tmp / "new.yaml")
+    expect(done.returncode == 0, done.stderr)
+    new = (tmp / "new.yaml").read_text()
+    expect_pose(yaml.safe_load(new)["sensors"]["front_right"]["pose"], "front_right")
+    pairs = list(zip(config.splitlines(), new.splitlines()))
+    expect(len(new.splitlines()) == len(pairs) and sum(a != b for a, b in pairs) == 3 and "   # to the right" in new, new)
+    (tmp / "anchor.yaml").write_text(config.replace("  front_right:", "  front_right: &right").replace("  roof:\n", "  spare:\n    <<: *right\n    ip_address: 192.168.0.23\n    frame_id: spare_laser\n  roof:\n", 1))
+    done = run("calibrate", "-c", tmp / "anchor.yaml", capture, "-o", tmp / "none.yaml")
+    expect(done.returncode == 78 and "sensors.spare shares its mount with another sensor by an anchor; expected its own: time_offset: 0, pose: {xyz: [0, -1, 0.35], rpy_deg: [0, 0, -45]}" in done.stderr, done.stderr)
+    expect(not (tmp / "none.yaml").exists(), "written in spite of the anchor")
+
+
+def check_moving(tmp):
+    """A capture of a drive without its odometry is refused, one of a vehicle that somebody passes is not."""
+    (tmp / "planar.yaml").write_text(PLANAR)
+    scene = yaml.safe_load(parked())
+    scene["duration"] = 6.0
+    scene["vehicle"]["path"] = [{"duration": 2.5, "speed": 0, "yaw_rate_deg": 0}, {"duration": 2, "speed": 0.5, "yaw_rate_deg": 10}, {"duration": 2, "speed": 0, "yaw_rate_deg": 0}]
+    for config in ("planar.yaml", ROOT / "config/demo.yaml"):
+        done = run("calibrate", "-c", tmp / config, make_capture(tmp / "moving", yaml.safe_dump(scene)), "-o", tmp / "none.yaml")
+        seen = re.search(r"the vehicle moves in this capture: front_left sees it go at least ([\d.]+) m and turn by ([\d.]+) deg from ([\d.]+) s on; record while it stands, or give its odometry with --motion", done.stderr)
+        expect(done.returncode == 1 and seen and not (tmp / "none.yaml").exists(), done.stderr)
+        way, turn, time = (float(number) for number in seen.groups())
+        expect(0.85 < way < 1.1 and abs(turn - 20) < 1 and 2.4 < time < 3.6, done.stderr)
 
 
 def check_another_grid(tmp, capture):
@@ -275,6 +326,9 @@ def main():
         check_drives_that_show_little(tmp)
         capture = make_capture(tmp / "parked", parked())
         check_found(tmp, capture)
+        check_forms(tmp, capture)
+        check_moving(tmp)
+        check_corridor(tmp)
         check_refused(tmp)
         check_multi_plane(tmp)
         check_another_grid(tmp, capture)

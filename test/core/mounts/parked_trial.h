@@ -21,6 +21,12 @@ struct Wall {
   bool is_glass = false;  // seen only where a beam meets it squarely; other beams see what is behind
   double moves = 0;       // m ahead in each frame
   int frames = 1000;      // until it is gone
+  double dark = 0;        // 0 to 1, by which a scanner's error for dark surfaces applies
+};
+
+/// What a ray meets.
+struct Met {
+  double range = 1e9, cosine = 1, dark = 0;  // m; of the angle of incidence
 };
 
 /// Walls seen from above.
@@ -47,16 +53,18 @@ struct Place {
     };
     for (int i = 0; i < sides; ++i) walls.push_back({corner(i), corner(i + 1)});
   }
-  double range(const Vector2d& from, double azimuth, int frame) const {
+  Met meet(const Vector2d& from, double azimuth, int frame) const {
     const Vector2d ray(std::cos(azimuth), std::sin(azimuth));
-    double nearest = grass ? grass(azimuth) : 1e9;
+    Met nearest;
+    if (grass) nearest.range = grass(azimuth);
     for (const Wall& wall : walls) {
       const Vector2d side = wall.to - wall.from, to = wall.from + Vector2d(wall.moves * frame, 0) - from;
       const double across = ray.x() * side.y() - ray.y() * side.x();
       const double range = (to.x() * side.y() - to.y() * side.x()) / across,
                    at = (to.x() * ray.y() - to.y() * ray.x()) / across;
       const bool shows = frame < wall.frames && (!wall.is_glass || std::abs(across) > 0.97 * side.norm());
-      if (shows && range > 0 && at >= 0 && at <= 1) nearest = std::min(nearest, range);
+      if (shows && range > 0 && at >= 0 && at <= 1 && range < nearest.range)
+        nearest = {range, std::abs(across) / side.norm(), wall.dark};
     }
     return nearest;
   }
@@ -65,6 +73,23 @@ struct Place {
 /// What is wrong with the ranges of a scanner.
 struct Errors {
   double noise = 0.01, offset = 0, bias = 0;  // m; the bias is smooth over 10 degrees
+  double step = 0.001;                        // m, of the ranges that it sends
+  // m, standard deviations of errors that grow with the range (at 10 m), swing with it (every 2 m), grow with
+  // the angle of incidence (at 60 degrees) and are those of dark surfaces.
+  double by_range = 0, swing = 0, slant = 0, dark = 0;
+  double spot = 0;  // rad, of the beam: across an edge it measures something between
+};
+
+/// How wrong a scanner is where.
+struct Wrong {
+  Errors of;  // its own ones
+  double phase = 0, swing_phase = 0;
+  double at(const Met& met, double angle) const {
+    return of.offset + of.bias * std::sqrt(2.0) * std::sin(angle * 18 + phase) +
+           of.by_range * met.range / 10 +
+           of.swing * std::sqrt(2.0) * std::sin(pi_d * met.range + swing_phase) +
+           of.slant * (1 / std::max(0.2, met.cosine) - 1) + of.dark * met.dark;
+  }
 };
 
 /// Vehicles parked in places, with mounts that are configured wrong.
@@ -87,10 +112,27 @@ struct Trial {
       if (centre.norm() > 4) place.box(centre, between(0.4, 3), between(0.4, 3), between(0, 3));
     }
   }
-  /// A scanner of 0.5 degrees; `wrong`: by how much its configured pose is off at most.
-  void add(const PlanarPose& at, const Errors& errors = {}, bool upside_down = false, double wrong = 1,
+  Wrong wrong_of(Errors errors) {
+    for (double* one : {&errors.offset, &errors.by_range, &errors.swing, &errors.slant, &errors.dark})
+      *one *= normal();
+    return {errors, between(0, two_pi), between(0, two_pi)};
+  }
+  /// The range along a beam, which is as wide as its spot.
+  double measured(const Vector2d& from, double azimuth, int frame, const Wrong& wrong, double angle) {
+    Met met = place.meet(from, azimuth, frame);
+    if (wrong.of.spot > 0) {
+      const double left = place.meet(from, azimuth - wrong.of.spot / 2, frame).range,
+                   right = place.meet(from, azimuth + wrong.of.spot / 2, frame).range;
+      const double near = std::min({met.range, left, right}), far = std::max({met.range, left, right});
+      // Of what lies one behind the other it measures a mixture, of what is far behind the nearer one.
+      if (far - near > 0.1) met.range = far - near > 1 ? near : near + (far - near) * between(0.2, 0.8);
+    }
+    return met.range + wrong.at(met, angle) + wrong.of.noise * normal();
+  }
+  /// A scanner of 0.5 degrees; `far`: by how much its configured pose is off at most.
+  void add(const PlanarPose& at, const Errors& errors = {}, bool upside_down = false, double far = 1,
            double from_deg = -137.5, double to_deg = 137.5) {
-    const double offset = errors.offset * normal(), phase = between(0, two_pi);
+    const Wrong wrong = wrong_of(errors);
     StillScans scans;
     PlanarScan scan;
     scan.reset(static_cast<std::size_t>(2 * (to_deg - from_deg)) + 1);
@@ -98,22 +140,21 @@ struct Trial {
     for (int frame = 0; frame < 25; ++frame) {
       for (std::size_t i = 0; i < scan.beams; ++i) {
         const double angle = static_cast<double>(scan.angle(i));
-        const double range = place.range({at.x, at.y}, at.yaw + (upside_down ? -angle : angle), frame);
-        const double bias = errors.bias * std::sqrt(2.0) * std::sin(angle * 18 + phase);
+        const double range =
+            measured({at.x, at.y}, at.yaw + (upside_down ? -angle : angle), frame, wrong, angle);
         if (range > 40)
           scan.set_without_hit(i, BeamStatus::none);
         else
-          scan.set_hit(i, static_cast<float>(
-                              std::round(1000 * (range + offset + bias + errors.noise * normal())) / 1000));
+          scan.set_hit(i, static_cast<float>(std::round(range / errors.step) * errors.step));
       }
       scans.add(scan);
     }
     MountedSensor sensor;
     sensor.place.views = scans.views(Eigen::Matrix3d::Identity());
     find_surfaces(sensor.place.views[0], sensor.place.surfaces);
-    const double direction = between(0, two_pi), far = wrong * between(0, 0.5);
-    sensor.configured = {at.x + far * std::cos(direction), at.y + far * std::sin(direction),
-                         at.yaw + wrong * between(-20, 20) * rad_per_deg};
+    const double direction = between(0, two_pi), away = far * between(0, 0.5);
+    sensor.configured = {at.x + away * std::cos(direction), at.y + away * std::sin(direction),
+                         at.yaw + far * between(-20, 20) * rad_per_deg};
     truth.push_back(at);
     sensors.push_back(sensor);
   }
