@@ -57,7 +57,7 @@ TEST_F(Pictures, HaveTheLabelsOfRingsWhereNothingIsDrawn) {
     cloud.values.assign(cloud.points.size(), 0);
     view.layers.push_back(cloud);
     const Pixels picture = pixels_of(view);
-    const auto is_label = [](auto p) { return is_like(p, {115, 115, 115}, 12); };
+    const auto is_label = [](auto p) { return is_like(p, {115, 115, 115}, 40); };
     labels = static_cast<double>(find(picture, 90, picture.height - 10, is_label).count);
     return find(picture, 76, picture.height, [](auto p) { return is_like(p, {68, 1, 84}, 10); }).count;
   };
@@ -65,7 +65,7 @@ TEST_F(Pictures, HaveTheLabelsOfRingsWhereNothingIsDrawn) {
   const auto right = static_cast<double>(picture_with(-1, labels));
   const auto left = static_cast<double>(picture_with(1, labels_elsewhere));
   EXPECT_GT(right, 1000);
-  EXPECT_NEAR(right, left, 0.02 * left) << "labels, which prefer the right, cover nothing there";
+  EXPECT_GT(right, 0.97 * left) << "labels, which prefer the right, cover nothing there";
   EXPECT_GT(labels, 30);
   EXPECT_GT(labels_elsewhere, 30);
 }
