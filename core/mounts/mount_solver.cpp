@@ -44,6 +44,8 @@ constexpr std::array<double, 3> wall_gates{0.12, 0.08, 0.06};
 // say and tests of scanners find.
 constexpr std::array<double, 9> biases{0.0003, 0.0006, 0.001, 0.0015, 0.0025, 0.004, 0.006, 0.010, 0.015};
 constexpr double usual_bias = 0.005;
+// Biases that change slowly along the walls hide in their fit.
+constexpr double hidden_bias = 1.2;
 // What is known no better than this, m and rad, is not determined.
 constexpr double worst_m = 0.01, worst_rad = 0.1 * rad_per_deg;
 // By how much a configured pose may be wrong, standard deviation.
@@ -278,7 +280,7 @@ WallFit::Bias learn_bias(WallFit& fit) {
           std::exp((least - unlikely[i]) / 2 - biases[i] * biases[i] / (2 * usual_bias * usual_bias));
       sum += likely, square += likely * biases[i] * biases[i];
     }
-    bias.*part = std::sqrt(square / sum);
+    bias.*part = hidden_bias * std::sqrt(square / sum);
   }
   return bias;
 }

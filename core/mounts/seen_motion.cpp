@@ -13,13 +13,13 @@ namespace {
 
 constexpr double least_way = 0.05, least_turn = 0.5 * rad_per_deg;  // m, rad: what counts as a move
 constexpr double least_chi_square = 50;                             // of a move against its noise
-constexpr std::size_t fewest_moved_pairs = 4;
+constexpr std::size_t fewest_matched = 4;
 // Sweeps are matched to one that is no farther away than this, m and rad.
 constexpr double key_way = 1, key_turn = 20 * rad_per_deg, gate_m = 1.0;
 // If no more of the returns are where they were, the surroundings are others: beside a vehicle that stands,
 // people and vehicles change less.
 constexpr double least_unchanged = 0.5;
-constexpr std::size_t fewest_moved_judged = 60, in_a_row = 2;
+constexpr std::size_t fewest_compared = 60, in_a_row = 2;
 
 /// A sweep and what of it is not of the ground.
 struct Look {
@@ -48,7 +48,7 @@ double unchanged(const Look& a, const Look& b, const PlanarPose& moved) {
     const Agreement one = agreement(a.rings[ring], b.rings[ring], moved);
     all.confirmed += one.confirmed, all.refuted += one.refuted;
   }
-  return all.judged() < fewest_moved_judged ? 1 : all.share();
+  return all.judged() < fewest_compared ? 1 : all.share();
 }
 
 bool is_move(const PlanarPose& pose) {
@@ -72,8 +72,8 @@ std::optional<SeenMotion> find_motion(const std::vector<DriveSweep>& sweeps, con
     const Look now = look_of(sweeps[i], tilt, lowest);
     const MatchedPose match =
         refine_match(key.surfaces, now.surfaces, match_surfaces(key.surfaces, now.surfaces, step, gate_m));
-    const bool is_lost = match.pairs < fewest_moved_pairs ||
-                         2 * match.pairs < std::min(key.surfaces.size(), now.surfaces.size());
+    const bool is_lost =
+        match.pairs < fewest_matched || 2 * match.pairs < std::min(key.surfaces.size(), now.surfaces.size());
     const PlanarPose here = to_key * match.pose;
     const Eigen::Vector3d off(match.pose.x, match.pose.y, match.pose.yaw);
     const bool is_sure = !is_lost && (off.dot(match.information * off) > least_chi_square || is_move(to_key));

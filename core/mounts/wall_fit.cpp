@@ -6,7 +6,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <set>
+#include <map>
 
 #include "core/base/angle.h"
 
@@ -82,9 +82,10 @@ bool WallFit::find_walls(double gate) {
     sightings_.push_back(
         {s, static_cast<std::size_t>(nearest - walls_.data()), sensor.first_offset + ring, surface});
   }
-  std::vector<std::set<std::size_t>> seen_by(walls_.size());
+  std::vector<std::map<std::size_t, double>> seen_by(walls_.size());
   for (const Sighting& sighting : sightings_)
-    ++walls_[sighting.wall].seen, seen_by[sighting.wall].insert(sighting.sensor);
+    ++walls_[sighting.wall].seen, ++seen_by[sighting.wall][sighting.sensor];
+  for (Sighting& sighting : sightings_) sighting.rings = seen_by[sighting.wall][sighting.sensor];
   for (std::size_t w = 0; w < walls_.size(); ++w) walls_[w].sensors = seen_by[w].size();
   sightings_.erase(std::remove_if(sightings_.begin(), sightings_.end(),
                                   [&](const Sighting& sighting) { return walls_[sighting.wall].seen < 2; }),
@@ -185,20 +186,32 @@ void WallFit::step(const Bias& bias, bool moves) {
     const auto at = static_cast<Eigen::Index>(sensor.first_unknown);
     for (const Vector3d& held : sensor.held) levers.block<3, 3>(at, at) += 1e14 * held * held.transpose();
   }
-  std::size_t rows = 0;
+  // Of the residuals of all rings of a sensor that see a wall.
+  struct Mean {
+    double across = 0, across_weight = 0, slope = 0, slope_weight = 0, bias_slope = 0;
+  };
+  std::map<std::pair<std::size_t, std::size_t>, Mean> means;
+  double rows = 0;
   for (const Sighting& sighting : sightings_) {
     const Sensor& sensor = sensors_[sighting.sensor];
     const Wall& wall = walls_[sighting.wall];
     const Surface& surface = *sighting.surface;
     const Row row = row_of(sighting);
     const double length = surface.length();
-    const double var_across = surface.var_offset + bias.across * bias.across;
-    const double var_slope = surface.var_slope + 12 * bias.turning * bias.turning / (length * length);
-    const double chi = row.across * row.across / var_across + row.slope * row.slope / var_slope;
+    const double bias_across = bias.across * bias.across,
+                 bias_slope = 12 * bias.turning * bias.turning / (length * length);
+    // A residual is as large as its own variance says; together, those of all rings are as one bias.
+    const double own_across = surface.var_offset + bias_across, own_slope = surface.var_slope + bias_slope;
+    const double var_across = surface.var_offset + sighting.rings * bias_across,
+                 var_slope = surface.var_slope + sighting.rings * bias_slope;
+    const double chi = row.across * row.across / own_across + row.slope * row.slope / own_slope;
     const double trust = (freedom + 2) / (freedom + chi);
-    chi_square += trust * chi;
-    unlikeliness_ += std::log(var_across * var_slope) + (freedom + 2) * std::log1p(chi / freedom);
-    rows += 2;
+    chi_square += trust * chi / sighting.rings;
+    Mean& mean = means[{sighting.wall, sighting.sensor}];
+    mean.across += row.across / surface.var_offset, mean.across_weight += 1 / surface.var_offset;
+    mean.slope += row.slope / surface.var_slope, mean.slope_weight += 1 / surface.var_slope;
+    mean.bias_slope += bias_slope / sighting.rings;
+    rows += 2 / sighting.rings;
     // The columns that the two rows touch: at most 3 of the sensor, 2 of its ranges, 2 of the wall.
     std::array<Eigen::Index, 7> columns{};
     std::array<double, 7> on_across{}, on_slope{};
@@ -224,12 +237,25 @@ void WallFit::step(const Bias& bias, bool moves) {
           trust * (on_across[i] * row.across / var_across + on_slope[i] * row.slope / var_slope);
     }
   }
+  for (const auto& [place, mean] : means) {
+    const double var_across = 1 / mean.across_weight + bias.across * bias.across,
+                 var_slope = 1 / mean.slope_weight + mean.bias_slope;
+    const double chi = std::pow(mean.across / mean.across_weight, 2) / var_across +
+                       std::pow(mean.slope / mean.slope_weight, 2) / var_slope;
+    unlikeliness_ += std::log(var_across * var_slope) + (freedom + 2) * std::log1p(chi / freedom);
+  }
   const double spare =
-      std::max(1.0, static_cast<double>(rows) -
-                        static_cast<double>(unknowns - static_cast<Eigen::Index>(offsets_.size())));
+      std::max(1.0, rows - static_cast<double>(unknowns - static_cast<Eigen::Index>(offsets_.size())));
   chi_square_ = chi_square / spare;
   const Eigen::LDLT<Eigen::MatrixXd> solver(levers);
   unlikeliness_ += solver.vectorD().array().abs().max(1e-300).log().sum();
+  // The offsets of rings against each other do not show the bias, which the rings have in common.
+  for (const Sensor& sensor : sensors_) {
+    const std::size_t rings = sensor.place->views.size();
+    const auto first = first_offset + static_cast<Eigen::Index>(sensor.first_offset);
+    unlikeliness_ -= (1 - 1 / static_cast<double>(rings)) *
+                     levers.diagonal().segment(first, static_cast<Eigen::Index>(rings)).array().log().sum();
+  }
   if (!moves) {
     inverse_ = solver.solve(Eigen::MatrixXd::Identity(unknowns, first_offset));
     scale_ = std::max(1.0, (prior_freedom + chi_square) / (prior_freedom + spare));

@@ -58,6 +58,7 @@ class WallFit {
   struct Sighting {
     std::size_t sensor, wall, offset;
     const Surface* surface;
+    double rings = 1;  // of the sensor that see the wall: its bias they have in common
   };
   struct Row {
     double across, slope;

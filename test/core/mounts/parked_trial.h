@@ -4,6 +4,7 @@
 // A simulated vehicle that is parked somewhere, with planar scanners whose mounts are configured wrong.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <random>
@@ -151,7 +152,54 @@ struct Trial {
     }
     MountedSensor sensor;
     sensor.place.views = scans.views(Eigen::Matrix3d::Identity());
-    find_surfaces(sensor.place.views[0], sensor.place.surfaces);
+    find_surfaces(sensor.place.views[0], sensor.place.surfaces), sensor.place.height = 0.35;
+    add(at, sensor, far);
+  }
+  /// A lidar of 16 planes 2 m above the ground; walls are 3 m high, and each laser has errors of its own.
+  void add_roof(const PlanarPose& at, const Errors& errors, double far = 1) {
+    constexpr int planes = 16, azimuths = 900, frames = 10;
+    constexpr double height = 2, wall_height = 3;
+    const Wrong common = wrong_of(errors);
+    Errors own = errors;
+    own.offset /= 2;
+    std::vector<Wrong> wrong(planes, common);
+    for (Wrong& one : wrong) one.of.offset += own.offset * normal(), one.phase = between(0, two_pi);
+    std::vector<std::vector<CloudPoint>> clouds(frames);
+    for (int i = 0; i < azimuths; ++i) {
+      const double angle = two_pi * (i + 0.25) / azimuths;
+      for (int plane = 0; plane < planes; ++plane) {
+        const double up = (2 * plane - 15) * rad_per_deg;
+        const Met met = place.meet({at.x, at.y}, at.yaw + angle, 0);
+        const double top = height + met.range * std::tan(up);
+        for (auto& cloud : clouds) {
+          double range =
+              measured({at.x, at.y}, at.yaw + angle, 0, wrong[static_cast<std::size_t>(plane)], angle) /
+              std::cos(up);
+          if (top < 0) range = -height / std::sin(up) + errors.noise * normal();
+          if (top > wall_height || range > 80) continue;
+          range = std::round(range / errors.step) * errors.step;
+          CloudPoint point{};
+          point.x = static_cast<float>(range * std::cos(up) * std::cos(angle));
+          point.y = static_cast<float>(range * std::cos(up) * std::sin(angle));
+          point.z = static_cast<float>(range * std::sin(up)), point.ring = static_cast<std::uint16_t>(plane);
+          cloud.push_back(point);
+        }
+      }
+    }
+    StillScans scans;
+    Cloud cloud;
+    for (const auto& points : clouds) {
+      cloud.points_bytes.resize(points.size() * sizeof(CloudPoint));
+      std::copy(points.begin(), points.end(), cloud.points());
+      scans.add(cloud);
+    }
+    MountedSensor sensor;
+    sensor.place.views = scans.views(Eigen::Matrix3d::Identity());
+    sensor.place.surfaces = find_upright(sensor.place.views), sensor.place.height = height;
+    add(at, sensor, far);
+  }
+  /// Its configured pose is wrong by 0.5 m and 20 degrees times `far` at most.
+  void add(const PlanarPose& at, MountedSensor& sensor, double far) {
     const double direction = between(0, two_pi), away = far * between(0, 0.5);
     sensor.configured = {at.x + away * std::cos(direction), at.y + away * std::sin(direction),
                          at.yaw + far * between(-20, 20) * rad_per_deg};
