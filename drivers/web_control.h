@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "drivers/address.h"
+#include "drivers/driver.h"
 #include "drivers/key.h"
 
 namespace lidard {
@@ -23,7 +24,7 @@ struct VelodyneSettings {
 };
 
 /// `control:` of a sensor: permitted use of its web interface.
-struct VelodyneControl {
+struct VelodyneControl : FamilySettings {
   bool read = false;         ///< false: no traffic to the sensor
   bool allow_write = false;  ///< writes settings that differ from `wanted`
   std::uint16_t port = 80;
@@ -31,6 +32,11 @@ struct VelodyneControl {
   std::uint16_t data_port = 0;  ///< local port of its data
   VelodyneSettings wanted;
 };
+
+/// The permitted use of a sensor's web interface; nullptr: none.
+inline const VelodyneControl* web_control(const DriverConfig& config) {
+  return static_cast<const VelodyneControl*>(config.control.get());
+}
 
 /// Keys of `control:` of a sensor: Trait::web_control. drivers/velodyne/web defines them.
 Keys<VelodyneControl> control_keys();

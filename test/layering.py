@@ -71,7 +71,6 @@ HEAVY_IN_HEADERS = "|".join([ROS, r"pcl/|spdlog"])
 # Files of one room that lead back to themselves through the others, a group a line; a .h and its .cpp count as one. No new
 # ones: what two files need of each other belongs into a third one.
 KNOWN_CIRCLES = {
-    "daemon/config/config key_tables reading rows sections yaml_reader",
     "daemon/dropin/import import_poses",
     "daemon/pipeline/reception report",
     "daemon/pipeline/sensor sensor_health",

@@ -13,7 +13,6 @@
 #include "daemon/commands/commands.h"
 #include "daemon/commands/last_good.h"
 #include "daemon/commands/status.h"
-#include "daemon/config/workers.h"
 #include "daemon/live/journal.h"
 #include "daemon/live/process_memory.h"
 #include "daemon/live/runtime_socket.h"
@@ -21,6 +20,7 @@
 #include "daemon/live/service.h"
 #include "daemon/live/thread_priority.h"
 #include "daemon/pipeline/log.h"
+#include "daemon/pipeline/workers.h"
 #include "daemon/ros/master/environment.h"
 #include "daemon/ros/master/thread_watch.h"
 #include "daemon/ros/master/wait_until.h"
@@ -347,7 +347,7 @@ class Daemon {
 
   std::shared_ptr<const Config> config_;
   const LastGood last_good_;
-  std::string trouble_;  // why config_ is not the content of the file; empty: it is
+  std::string trouble_;   // why config_ is not the content of the file; empty: it is
   std::string not_kept_;  // why config_ could not be stored; empty: it is
   std::uint64_t reloads_ = 0;
   std::thread reader_;  // joinable during a reload

@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/config/removed_keys.h"
+
 #include <fnmatch.h>
 
 #include <algorithm>
-
-#include "daemon/config/yaml_reader.h"
 
 namespace lidard {
 namespace {

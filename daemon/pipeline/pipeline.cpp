@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "daemon/config/workers.h"
+#include "daemon/pipeline/workers.h"
 
 namespace lidard {
 namespace {
@@ -115,8 +115,7 @@ void Pipeline::packet(const Packet& packet) {
     sensor->receive_recorded(packet, now);
   else
     sensor->receive(packet, now);
-  if (const auto newest = sensor->made_time())
-    made_time_ = MadeTime{packet.arrival, std::max(*newest, now)};
+  if (const auto newest = sensor->made_time()) made_time_ = MadeTime{packet.arrival, std::max(*newest, now)};
 }
 
 void Pipeline::chunk(std::size_t sensor, const Packet& packet) {

@@ -6,8 +6,8 @@
 
 #include <utility>
 
-#include "daemon/config/workers.h"
 #include "daemon/pipeline/pipeline.h"
+#include "daemon/pipeline/workers.h"
 #include "daemon/ros/in/inputs.h"
 #include "daemon/ros/in/output_items.h"
 #include "daemon/ros/in/tf_poses.h"

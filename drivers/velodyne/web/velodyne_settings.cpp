@@ -145,7 +145,6 @@ VelodynePlan plan(const VelodyneTree& tree, const VelodyneSettings& wanted) {
 
 namespace {
 
-using namespace keys;
 using S = VelodyneSettings;
 
 // Ranges: VLP-16 user manual 63-9243 Rev D, section 10.2.
@@ -168,32 +167,33 @@ std::optional<Rejection> no_host(const KeyValue& value) {
 }
 
 Keys<S> wanted_keys() {
-  const Words<std::optional<VelodyneReturns>> returns{{"strongest", VelodyneReturns::strongest},
-                                                      {"last", VelodyneReturns::last},
-                                                      {"dual", VelodyneReturns::dual}};
-  return {
-      whole("rpm", &S::rpm, slowest_rpm, fastest_rpm, "speed of rotation, a multiple of 60").checked(no_rpm),
-      word("returns", &S::returns, returns, "which returns it sends"),
-      whole("fov_start_deg", &S::fov_start_deg, 0, 359,
-            "begin of the sector that it sends, as it counts azimuth"),
-      whole("fov_end_deg", &S::fov_end_deg, 0, 360, "end of that sector; 0 to 360 is all"),
-      text("host_address", &S::host_address, host_form, "where it sends").checked(no_host),
-      whole("host_port", &S::host_port, 1, last_port, "the port that it sends its data to"),
-      whole("host_telemetry_port", &S::host_telemetry_port, 1, last_port,
-            "the port that it sends its satellite receiver's sentences to")};
+  using namespace keys;
+  return {{"rpm", &S::rpm, whole(slowest_rpm, fastest_rpm, no_rpm), "speed of rotation, a multiple of 60"},
+          {"returns", &S::returns,
+           word({{"strongest", VelodyneReturns::strongest},
+                 {"last", VelodyneReturns::last},
+                 {"dual", VelodyneReturns::dual}}),
+           "which returns it sends"},
+          {"fov_start_deg", &S::fov_start_deg, whole(0, 359),
+           "begin of the sector that it sends, as it counts azimuth"},
+          {"fov_end_deg", &S::fov_end_deg, whole(0, 360), "end of that sector; 0 to 360 is all"},
+          {"host_address", &S::host_address, text(host_form, no_host), "where it sends"},
+          {"host_port", &S::host_port, whole(1, last_port), "the port that it sends its data to"},
+          {"host_telemetry_port", &S::host_telemetry_port, whole(1, last_port),
+           "the port that it sends its satellite receiver's sentences to"}};
 }
 
 }  // namespace
 
 Keys<VelodyneControl> control_keys() {
+  using namespace keys;
   using C = VelodyneControl;
-  Keys<C> rows{
-      flag("read", &C::read, "asks the sensor for its settings").by_default("true if a setting is wanted"),
-      flag("allow_write", &C::allow_write, "settings that differ from those wanted here are written"),
-      whole("port", &C::port, 1, last_port, "TCP port of its web interface")};
-  const Keys<C> wanted = within(&C::wanted, wanted_keys());
-  rows.insert(rows.end(), wanted.begin(), wanted.end());
-  return rows;
+  return {
+      Keys<C>{
+          {"read", &C::read, flag, "asks the sensor for its settings", preset("true if a setting is wanted")},
+          {"allow_write", &C::allow_write, flag, "settings that differ from those wanted here are written"},
+          {"port", &C::port, whole(1, last_port), "TCP port of its web interface"}},
+      within(&C::wanted, wanted_keys())};
 }
 
 }  // namespace lidard

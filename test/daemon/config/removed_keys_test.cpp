@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/config/removed_keys.h"
+
 #include <gtest/gtest.h>
 
-#include "daemon/config/yaml_reader.h"
 #include "test/daemon/config/config_support.h"
 
 namespace lidard {

@@ -9,8 +9,8 @@
 #include <functional>
 #include <sstream>
 
-#include "daemon/config/workers.h"
 #include "daemon/pipeline/pipeline.h"
+#include "daemon/pipeline/workers.h"
 #include "drivers/capture/pcap_source.h"
 #include "test/support/captures.h"
 #include "test/support/recording_sink.h"

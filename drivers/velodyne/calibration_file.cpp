@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/config/calibration_file.h"
+#include "drivers/calibration_file.h"
 
 #include <tinyxml2.h>
 
@@ -13,14 +13,12 @@
 #include "core/base/angle.h"
 #include "core/base/nearest.h"
 #include "core/base/number_text.h"
-#include "daemon/config/yaml_reader.h"
 
 namespace lidard {
 namespace {
 
 using tinyxml2::XMLElement;
 
-constexpr const char* expected_file = "a calibration of velodyne_pointcloud (YAML) or a db.xml";
 constexpr long most_lasers = 128;
 constexpr double finest_step_m = 0.001;  // limits of a distance step; 0.2 is a step in cm
 constexpr double coarsest_step_m = 0.02;
@@ -79,7 +77,7 @@ class YamlCalibration {
     const Entries entries = entries_of(file, known_of_file);
     const Value* lasers = find(entries, "lasers");
     const Value* step = find(entries, "distance_resolution");
-    if (lasers == nullptr) file.fail("has no lasers", expected_file);
+    if (lasers == nullptr) file.fail("has no lasers", calibration_files);
     if (step == nullptr)
       file.fail("has no distance_resolution", "it in m: 0.002, or 0.004 for VLP-32A/B/C and VLS-128");
     Calibration calibration;
@@ -108,7 +106,7 @@ class YamlCalibration {
 
   /// The entries; an unknown key is reported once, not once per laser.
   Entries entries_of(const Value& value, const std::vector<std::string_view>& known) {
-    Entries entries = named_entries(value);
+    Entries entries = value.entries();
     for (const auto& [key, entry] : entries) {
       if (std::find(known.begin(), known.end(), key) != known.end() || !reported_.insert(key).second)
         continue;
@@ -331,14 +329,10 @@ bool is_xml(const std::string& text) {
 
 }  // namespace
 
-Calibration parse_calibration(const std::string& text, const std::string& name,
+Calibration parse_calibration(const std::string& text, const std::string& name, DocumentParser parse_yaml,
                               std::vector<std::string>& warnings) {
   if (is_xml(text)) return XmlCalibration(name, warnings).read(text);
   return YamlCalibration(warnings).read(parse_yaml(text, name));
-}
-
-Calibration load_calibration(const std::string& path, std::vector<std::string>& warnings) {
-  return parse_calibration(read_file(path, expected_file), path, warnings);
 }
 
 std::optional<CalibrationModel> calibration_model_of(std::string_view name) {

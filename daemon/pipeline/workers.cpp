@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/config/workers.h"
+#include "daemon/pipeline/workers.h"
 
 #include <algorithm>
 #include <set>

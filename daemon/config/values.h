@@ -1,0 +1,25 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "core/base/pose.h"
+#include "drivers/document.h"
+
+namespace lidard {
+
+/// A pose from {xyz: m, rpy: rad or rpy_deg}.
+Pose read_pose(const Value& value);
+/// A frame's name without leading slash (tf2 has none).
+std::string read_frame(const Value& value);
+/// A ROS topic name.
+std::string read_topic(const Value& value);
+/// Throws at the key if `name` cannot be part of a topic name.
+void check_entry_name(const std::string& name, const Value& value);
+/// A topic or frame as it is compared with others.
+std::string without_slash(const std::string& name);
+/// Roll, pitch, yaw (fixed axes, rad) that make_pose() turns into the rotation of `pose`.
+Eigen::Vector3d rpy_of(const Pose& pose);
+
+}  // namespace lidard

@@ -1,0 +1,93 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "drivers/config_error.h"
+
+namespace lidard {
+
+/// A value of a file as its parser made it: nothing, a text, a list or a mapping. A value may be used at
+/// several places of a file, but never inside of itself.
+struct DocumentNode {
+  enum class Kind : std::uint8_t { null, text, list, map };
+  using Ptr = std::shared_ptr<const DocumentNode>;
+  Kind kind = Kind::null;
+  int line = 0, column = 0;  ///< from 1; 0: not known
+  std::string text{};
+  std::vector<Ptr> items{};                    ///< of a list
+  std::vector<std::pair<Ptr, Ptr>> entries{};  ///< of a mapping: keys, which may be repeated, and values
+};
+
+/// Text from elsewhere on one line: control characters become question marks.
+std::string printable(std::string text);
+
+/// A value of a file with its place and path. Every reader throws ConfigError `file:line:column: what;
+/// expected …`.
+class Value {
+ public:
+  Value(DocumentNode::Ptr node, Place place, Place key_place, std::string path);
+
+  /// Where the value begins.
+  const Place& place() const { return place_; }
+  /// Where its key begins, or the value if it has no key.
+  const Place& key_place() const { return key_place_; }
+  /// Its path from the top of the file, "sensors.roof.ip_port".
+  const std::string& path() const { return path_; }
+  /// Throws "place: path what; expected …".
+  [[noreturn]] void fail(const std::string& what, const std::string& expected) const;
+  /// The same at the key, if the value must not be there.
+  [[noreturn]] void fail_at_key(const std::string& what, const std::string& expected) const;
+  /// The value in a few printable characters, for messages.
+  std::string quoted() const;
+
+  bool is_null() const { return node_->kind == DocumentNode::Kind::null; }
+  bool is_text() const { return node_->kind == DocumentNode::Kind::text; }
+  bool is_list() const { return node_->kind == DocumentNode::Kind::list; }
+  bool is_map() const { return node_->kind == DocumentNode::Kind::map; }
+  /// A text; `expected` is for the message.
+  std::string text(const std::string& expected = "a text") const;
+  /// The same, but it may be empty.
+  std::string text_or_empty() const;
+  /// A finite number within the limits; `unit` is named in messages.
+  double number(double lowest, double highest, std::string_view unit) const;
+  /// A whole number within the limits.
+  long integer(long lowest, long highest) const;
+  bool boolean() const;
+  bool is_boolean() const;
+  /// The number that the text is; empty if it is none.
+  std::optional<double> as_number() const;
+  /// The elements of a list.
+  std::vector<Value> items(const std::string& expected) const;
+  /// A list of exactly `count` numbers.
+  std::vector<double> numbers(std::size_t count, double limit, const char* unit) const;
+  /// A list of names, or one text with names separated by blanks (as in ira_laser_tools).
+  std::vector<Value> names(const std::string& expected) const;
+  /// The entries of a mapping, which is empty for null, in the order of the file and with those that `<<`
+  /// merges. Keys that are no names or repeated are mistakes; with `mistakes` only these entries are left
+  /// out.
+  std::vector<std::pair<std::string, Value>> entries(Mistakes* mistakes = nullptr) const;
+  /// The texts in the value and in what it holds, down to `depth` levels.
+  void add_texts(int depth, std::vector<std::string>& texts) const;
+
+ private:
+  Value element(DocumentNode::Ptr node, std::size_t index) const;
+  /// The mapping, followed by those that it merges, nearest first; `count` limits nested ones.
+  std::vector<DocumentNode::Ptr> with_merged(const DocumentNode::Ptr& map, std::size_t& count) const;
+
+  DocumentNode::Ptr node_;
+  Place place_;
+  Place key_place_;
+  std::string path_;
+};
+
+/// Parses the text of a file to its outermost value; throws ConfigError. `file` is for messages.
+using DocumentParser = Value (*)(const std::string& text, const std::string& file);
+
+}  // namespace lidard
