@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -31,5 +32,15 @@ constexpr const char* calibration_files = "a calibration of velodyne_pointcloud 
 /// their places to `warnings`. The model of the result is `ros_drivers`.
 Calibration parse_calibration(const std::string& text, const std::string& name, DocumentParser parse_yaml,
                               std::vector<std::string>& warnings);
+
+struct CalibrationFile {
+  std::string path, text;
+};
+/// The calibration that `calibration:` (with `file`) and `calibration_model:` of a sensor ask for; nullptr:
+/// that of the model. Throws ConfigError where they contradict each other or the model.
+std::shared_ptr<const Calibration> check_calibration(const Mapping& yaml, const Model& model,
+                                                     const std::optional<CalibrationFile>& file,
+                                                     DocumentParser parse_yaml,
+                                                     std::vector<std::string>& warnings);
 
 }  // namespace lidard

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/base/angle.h"
 #include "core/base/number_text.h"
 
 namespace lidard {
@@ -229,5 +230,63 @@ void Value::add_texts(int depth, std::vector<std::string>& texts) const {
   for (const auto& item : node_->items) add(item);
   for (const auto& entry : node_->entries) add(entry.second);
 }
+
+Mapping::Mapping(Value value, Entries entries, bool is_complete)
+    : self_(std::move(value)), entries_(std::move(entries)), is_complete_(is_complete) {}
+
+const Value* Mapping::entry(std::string_view key) const {
+  const auto found =
+      std::find_if(entries_.begin(), entries_.end(), [&](const auto& one) { return one.first == key; });
+  return found == entries_.end() ? nullptr : &found->second;
+}
+
+std::optional<Value> Mapping::find(std::string_view key) const {
+  const Value* const value = entry(key);
+  return value == nullptr ? std::nullopt : std::optional<Value>(*value);
+}
+
+Value Mapping::require(std::string_view key, const std::string& expected) const {
+  const Value* const value = entry(key);
+  if (value == nullptr) fail_missing("has no " + std::string(key), expected);
+  return *value;
+}
+
+void Mapping::fail_missing(const std::string& what, const std::string& expected) const {
+  if (!is_complete_) throw ConfigError(std::vector<ConfigError::Mistake>());
+  self_.fail_at_key(what, expected);
+}
+
+const Value& Mapping::where(std::string_view key) const {
+  const Value* value = entry(key);
+  if (value == nullptr) value = entry(std::string(key) + "_deg");
+  return value == nullptr ? self_ : *value;
+}
+
+const Value& Mapping::where_first(std::initializer_list<std::string_view> keys) const {
+  const auto present = std::find_if(keys.begin(), keys.end(), [&](std::string_view key) { return has(key); });
+  return present == keys.end() ? self_ : where(*present);
+}
+
+Mapping Mapping::inside(std::string_view key) const { return Mapping(find(key).value()); }
+
+void Mapping::in_rad(const std::string& key, const std::function<void(const Value&, double)>& read) const {
+  const auto rad = find(key);
+  const auto deg = find(key + "_deg");
+  if (rad && deg) deg->fail_at_key("is given beside " + key, "one of the two");
+  if (rad) read(*rad, 1);
+  if (deg) read(*deg, rad_per_deg);
+}
+
+std::optional<double> Mapping::angle(const std::string& key) const {
+  std::optional<double> angle;
+  in_rad(key, [&](const Value& value, double to_rad) {
+    const bool rad = to_rad == 1;
+    const std::string unit = rad ? "rad (degrees: " + key + "_deg)" : "degrees";
+    angle = value.number(rad ? -most_turn_rad : -400, rad ? most_turn_rad : 400, unit) * to_rad;
+  });
+  return angle;
+}
+
+Value value_at(const Value& mapping, std::string_view key) { return Mapping(mapping).where(key); }
 
 }  // namespace lidard

@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
+#include <functional>
+#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <string>
@@ -12,6 +15,9 @@
 #include "drivers/config_error.h"
 
 namespace lidard {
+
+/// A full turn, rounded up. A larger angle in rad is rejected as degrees written by mistake.
+constexpr double most_turn_rad = 6.284;
 
 /// A value of a file as its parser made it: nothing, a text, a list or a mapping. A value may be used at
 /// several places of a file, but never inside of itself.
@@ -86,6 +92,51 @@ class Value {
   Place key_place_;
   std::string path_;
 };
+
+/// A mapping, with any keys.
+class Mapping {
+ public:
+  using Entries = std::vector<std::pair<std::string, Value>>;
+  /// A value of null is an empty mapping.
+  explicit Mapping(const Value& value) : Mapping(value, value.entries(), true) {}
+  /// Of the entries of `value` those that are left; not `is_complete`: mistakes were left out.
+  Mapping(Value value, Entries entries, bool is_complete);
+
+  const Value& self() const { return self_; }
+  /// The value of `key`; empty if it is missing.
+  std::optional<Value> find(std::string_view key) const;
+  /// The same; throws `… is missing; expected` if it is missing.
+  Value require(std::string_view key, const std::string& expected) const;
+  /// Throws "place: path what; expected …" for a missing key; without a text if it may be one of the unknown
+  /// keys.
+  [[noreturn]] void fail_missing(const std::string& what, const std::string& expected) const;
+  /// False if there are unknown or repeated keys.
+  bool is_complete() const { return is_complete_; }
+  /// The value of `key` or `key`_deg, or the mapping itself if both are missing; for messages.
+  const Value& where(std::string_view key) const;
+  /// The same of the first of these keys that is present.
+  const Value& where_first(std::initializer_list<std::string_view> keys) const;
+  /// True if `key` or `key`_deg is present.
+  bool has(std::string_view key) const { return &where(key) != &self_; }
+  /// `key` in rad or `key`_deg in degrees.
+  std::optional<double> angle(const std::string& key) const;
+  /// `key` in rad or `key`_deg in degrees; `read` gets the value and the factor to rad.
+  void in_rad(const std::string& key, const std::function<void(const Value&, double)>& read) const;
+  /// The mapping at `key`, with any keys.
+  Mapping inside(std::string_view key) const;
+  /// The present keys with their values, in the order of the file.
+  const Entries& entries() const { return entries_; }
+
+ private:
+  const Value* entry(std::string_view key) const;
+
+  Value self_;
+  Entries entries_;
+  bool is_complete_;
+};
+
+/// The value of `key` or `key`_deg, or the mapping itself if both are missing; for messages.
+Value value_at(const Value& mapping, std::string_view key);
 
 /// Parses the text of a file to its outermost value; throws ConfigError. `file` is for messages.
 using DocumentParser = Value (*)(const std::string& text, const std::string& file);

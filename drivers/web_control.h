@@ -4,12 +4,16 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "drivers/address.h"
 #include "drivers/driver.h"
 #include "drivers/key.h"
 
 namespace lidard {
+
+class Mapping;
 
 enum class VelodyneReturns : std::uint8_t { strongest, last, dual };
 /// Requested settings of the sensor; settings without a value stay unchanged.
@@ -40,5 +44,9 @@ inline const VelodyneControl* web_control(const DriverConfig& config) {
 
 /// Keys of `control:` of a sensor: Trait::web_control. drivers/velodyne/web defines them.
 Keys<VelodyneControl> control_keys();
+/// What these keys have to fulfil together, and what follows from them; `yaml`: the section; `address`: of
+/// the sensor. Throws ConfigError; appends warnings with their places.
+void check_control(const Mapping& yaml, const std::optional<IpAddress>& address, VelodyneControl& control,
+                   std::vector<std::string>& warnings);
 
 }  // namespace lidard

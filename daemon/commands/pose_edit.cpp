@@ -9,7 +9,6 @@
 
 #include "core/base/angle.h"
 #include "core/base/number_text.h"
-#include "daemon/config/mapping.h"
 #include "daemon/config/values.h"
 #include "daemon/config/yaml.h"
 
@@ -94,7 +93,7 @@ std::string with_mounts(const std::string& file, const std::map<std::string, Mou
   const Value sensors = value_at(parse_yaml(text, {}), "sensors");
   std::vector<Edit> edits;
   for (const auto& [name, mount] : mounts) {
-    const Mapping sensor(value_at(sensors, name), {});
+    const Mapping sensor(value_at(sensors, name));
     // What is merged with << stands elsewhere, before its entry.
     const Place& begin = sensor.self().place();
     const Place& pose = sensor.where("pose").place();

@@ -4,10 +4,11 @@
 
 #include <string>
 
-#include "daemon/config/mapping.h"
 #include "drivers/key.h"
 
 namespace lidard {
+
+class Mapping;
 
 /// `blackbox:` of the configuration.
 struct BlackBoxConfig {

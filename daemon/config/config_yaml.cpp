@@ -6,8 +6,10 @@
 #include <sstream>
 
 #include "daemon/config/config.h"
+#include "daemon/config/reading.h"
 #include "daemon/config/remarks.h"
 #include "daemon/config/rows.h"
+#include "daemon/config/values.h"
 #include "daemon/config/yaml.h"
 
 namespace lidard {
@@ -63,8 +65,8 @@ Config parse_config(const std::string& text, const std::string& name) {
                   config.sensors, config.merged_clouds, config.virtual_scans};
   const Value file = parse_yaml(text, name);
   Mistakes mistakes;
-  const Mapping root(
-      file, {"vehicle", "sensors", "merged_scans", "merged_clouds", "virtual_scans", "blackbox"}, &mistakes);
+  const Mapping root = known_mapping(
+      file, {"vehicle", "sensors", "merged_scans", "merged_clouds", "virtual_scans", "blackbox"}, mistakes);
   reading.is_complete = root.is_complete();
   reading.is_vehicle_valid = mistakes.attempt([&] { read_vehicle(root, reading); });
   mistakes.attempt([&] { read_sensors(root, reading); });

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "core/frames/frame_filter.h"
-#include "daemon/config/mapping.h"
+#include "drivers/document.h"
 #include "drivers/key.h"
 #include "drivers/model.h"
 

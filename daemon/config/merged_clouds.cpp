@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "daemon/config/reading.h"
 #include "daemon/config/rows.h"
 #include "daemon/config/sensors.h"
 #include "daemon/config/vehicle.h"

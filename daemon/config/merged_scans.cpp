@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include "daemon/config/reading.h"
 #include "daemon/config/rows.h"
 #include "daemon/config/sensors.h"
 #include "daemon/config/vehicle.h"
@@ -74,7 +75,7 @@ void read_source_settings(const Mapping& yaml, const SourceList& list, Merged& m
   std::vector<std::string_view> names(sources.begin(), sources.end());
   names.insert(names.end(), list.written.begin(), list.written.end());
   Mistakes mistakes;
-  const Mapping entries(*section, names, &mistakes);
+  const Mapping entries = known_mapping(*section, names, mistakes);
   std::set<std::string> set_up;
   for (const auto& [name, entry] : entries.entries()) {
     const auto place = static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());

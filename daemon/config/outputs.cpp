@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "daemon/config/reading.h"
 #include "daemon/config/rows.h"
 
 namespace lidard {

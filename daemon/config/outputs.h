@@ -9,11 +9,13 @@
 #include "core/base/angle.h"
 #include "core/evidence/placed_scan.h"
 #include "core/frames/scan_grid.h"
-#include "daemon/config/mapping.h"
-#include "daemon/config/reading.h"
 #include "drivers/key.h"
 
 namespace lidard {
+
+class Mapping;
+struct Reading;
+struct Source;
 
 /// What stands in a beam of the output where nothing was seen.
 enum class EmptyBeam : std::uint8_t { inf, nan, range_max_plus_one, minus_inf, zero };

@@ -116,4 +116,19 @@ void read_entries(const std::optional<Value>& section, std::vector<Entry>& entri
 /// `expected` says what may be named.
 Source read_source(const Value& value, FrameKind kind, const Reading& reading, const std::string& expected);
 
+/// The sources of a merged scan or cloud.
+struct SourceList {
+  std::string_view key;  ///< that they stand in
+  std::vector<std::string> names;
+  std::vector<std::string> written;  ///< as they are called there
+  std::vector<Source> sources;
+  std::vector<Value> values;
+
+  /// Index of the source that `value` names: as it is named in the list, or by its own name.
+  std::size_t index_of(const Value& value, const std::string& expected) const;
+};
+/// Reads the sources that `key` names, each once; `kind_of` says which frames are wanted of one.
+SourceList read_sources(const Mapping& yaml, std::string_view key, const std::string& expected,
+                        FrameKind (*kind_of)(const Value&, const Reading&), Reading& reading);
+
 }  // namespace lidard

@@ -8,8 +8,8 @@
 #include <cmath>
 
 #include "core/base/angle.h"
-#include "daemon/config/mapping.h"
 #include "drivers/calibration.h"
+#include "drivers/document.h"
 #include "drivers/net/host_network.h"
 
 namespace lidard {

@@ -80,17 +80,13 @@ KeyMap tree_of(const Pose& pose) {
 
 }  // namespace
 
-void add_names(const std::vector<Key>& keys, std::vector<std::string>& names) {
+Mapping mapping_of(const Value& value, const std::vector<Key>& keys, Mistakes& mistakes) {
+  std::vector<std::string> names;
   for (const Key& key : keys) {
     names.emplace_back(key.name);
     if (key.kind == KeyKind::angle) names.push_back(names.back() + "_deg");
   }
-}
-
-Mapping mapping_of(const Value& value, const std::vector<Key>& keys, Mistakes& mistakes) {
-  std::vector<std::string> names;
-  add_names(keys, names);
-  return {value, {names.begin(), names.end()}, &mistakes};
+  return known_mapping(value, {names.begin(), names.end()}, mistakes);
 }
 
 KeyValue read_value(const Value& value, const Key& key) {

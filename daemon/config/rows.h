@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "daemon/config/mapping.h"
+#include "drivers/document.h"
 #include "drivers/key.h"
 
 namespace YAML {
@@ -14,8 +14,7 @@ class Emitter;
 
 namespace lidard {
 
-/// Adds the names of keys in a file.
-void add_names(const std::vector<Key>& keys, std::vector<std::string>& names);
+/// A mapping of these keys. Unknown and repeated ones are left out, and are mistakes.
 Mapping mapping_of(const Value& value, const std::vector<Key>& keys, Mistakes& mistakes);
 
 /// Reads a single value, checked against the row.

@@ -1,10 +1,9 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-// The keys that merged scans and merged clouds share: their sources, and when one is published.
+// The keys that merged scans and merged clouds share: when one is published.
 #include "daemon/config/schedule.h"
 
-#include <algorithm>
-
+#include "daemon/config/reading.h"
 #include "daemon/config/vehicle.h"
 
 namespace lidard {
@@ -14,41 +13,6 @@ constexpr double longest_wait_s = 3600;
 constexpr double most_outputs_per_s = 1000;
 
 }  // namespace
-
-std::size_t SourceList::index_of(const Value& value, const std::string& expected) const {
-  const std::string name = value.text(expected);
-  for (const auto* const called : {&names, &written}) {
-    const auto found = std::find(called->begin(), called->end(), name);
-    if (found != called->end()) return static_cast<std::size_t>(found - called->begin());
-  }
-  value.fail("is " + value.quoted() + ", which is no source of it", expected);
-}
-
-SourceList read_sources(const Mapping& yaml, std::string_view key, const std::string& expected,
-                        FrameKind (*kind_of)(const Value&, const Reading&), Reading& reading) {
-  SourceList list{key, {}, {}, {}, {}};
-  const Value all = yaml.require(key, expected);
-  list.values = all.names(expected);
-  if (list.values.empty()) all.fail("names nothing", expected);
-  Mistakes mistakes;
-  for (const Value& value : list.values) {
-    mistakes.attempt([&] {
-      const FrameKind kind = kind_of(value, reading);
-      const Source source = read_source(value, kind, reading, expected);
-      if (source.kind == Source::Kind::merged_cloud)
-        value.fail("names " + value.quoted() + ", a merged cloud", expected);
-      if (std::find(list.names.begin(), list.names.end(), source.name) != list.names.end())
-        value.fail("names " + source.name + " again", "every source once");
-      if (source.kind == Source::Kind::topic)
-        reading.claims.uses(source.name, kind, yaml.self().path(), value);
-      list.names.push_back(source.name);
-      list.written.push_back(value.text());
-      list.sources.push_back(source);
-    });
-  }
-  mistakes.throw_if_any();
-  return list;
-}
 
 Keys<ScheduleSettings> policy_keys() {
   using namespace keys;

@@ -6,31 +6,19 @@
 #include <string>
 #include <vector>
 
+#include "core/base/pose.h"
 #include "core/merge/scheduler.h"
-#include "daemon/config/mapping.h"
-#include "daemon/config/reading.h"
 #include "drivers/key.h"
 
 namespace lidard {
 
+class Mapping;
+struct Reading;
+struct SourceList;
+
 /// What a merged scan or cloud does while poses of the vehicle are missing: as if it stood, wait for them as
 /// long as for a source, or leave the output out.
 enum class MissingMotion : std::uint8_t { stand, wait, drop };
-
-/// The sources of a merged scan or cloud.
-struct SourceList {
-  std::string_view key;  ///< that they stand in
-  std::vector<std::string> names;
-  std::vector<std::string> written;  ///< as they are called there
-  std::vector<Source> sources;
-  std::vector<Value> values;
-
-  /// Index of the source that `value` names: as it is named in the list, or by its own name.
-  std::size_t index_of(const Value& value, const std::string& expected) const;
-};
-/// Reads the sources that `key` names, each once; `kind_of` says which frames are wanted of one.
-SourceList read_sources(const Mapping& yaml, std::string_view key, const std::string& expected,
-                        FrameKind (*kind_of)(const Value&, const Reading&), Reading& reading);
 
 /// Keys of ScheduleSettings, for policy and for patience.
 Keys<ScheduleSettings> policy_keys();

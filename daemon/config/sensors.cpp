@@ -10,10 +10,12 @@
 #include <cstring>
 #include <utility>
 
-#include "daemon/config/calibration_file.h"
 #include "daemon/config/filter.h"
+#include "daemon/config/reading.h"
 #include "daemon/config/rows.h"
 #include "daemon/config/vehicle.h"
+#include "daemon/config/yaml.h"
+#include "drivers/calibration_file.h"
 #include "drivers/registry/nearest_models.h"
 #include "drivers/registry/registry.h"
 
@@ -90,44 +92,11 @@ void check_requests(const Mapping& yaml, SensorConfig& sensor) {
         .fail_at_key("is given alone", "both user_level and user_level_password, or none");
 }
 
-/// Rejects wanted settings without permission to write them.
-void check_permissions(const Mapping& yaml, const VelodyneControl& control) {
-  const bool wanted = control.wanted.any();
-  for (const auto& [key, value] : yaml.entries()) {
-    const bool of_access = key == "read" || key == "allow_write" || key == "port";
-    if (!control.allow_write && !of_access && wanted)
-      value.fail_at_key("asks to change the sensor, but control.allow_write is not true",
-                        "allow_write: true beside it, or no such key");
-  }
-  if (wanted && !control.read)
-    yaml.where("read").fail("is false, so nobody could tell whether a setting differs",
-                            "true, or no wanted settings");
-}
-
-void check_control(const Mapping& parent, SensorConfig& sensor, Reading& reading) {
-  VelodyneControl& control = sensor.control;
-  control.data_port = sensor.ip_port;
+void check_control_of(const Mapping& parent, SensorConfig& sensor, Reading& reading) {
+  sensor.control.data_port = sensor.ip_port;
   if (!parent.has("control")) return;
-  const Mapping yaml = parent.inside("control");
-  if (!yaml.has("read")) control.read = control.wanted.any();
-  const std::optional<int>& start = control.wanted.fov_start_deg;
-  const std::optional<int>& end = control.wanted.fov_end_deg;
-  if (start.has_value() != end.has_value())
-    yaml.where(start ? "fov_start_deg" : "fov_end_deg")
-        .fail_at_key("is given alone", "both fov_start_deg and fov_end_deg, or none");
-  if (start && start == end)
-    yaml.where("fov_end_deg").fail("is fov_start_deg too", "0 and 360 for all, in whole degrees");
-  if (control.wanted.host_port && *control.wanted.host_port != sensor.ip_port) {
-    const Value& port = yaml.where("host_port");
-    reading.warn(port.place(), port.path() + " makes the sensor send to a port that is not its ip_port, " +
-                                   std::to_string(sensor.ip_port) + ": its data will not arrive here");
-  }
-  check_permissions(yaml, control);
-  if (control.read && !parent.has("ip_address"))
-    yaml.self().fail_at_key("needs the sensor's address", "ip_address: of the sensor");
-  if (!control.read) return;
-  control.address = *sensor.ip_address;
-  sensor.driver.control = std::make_shared<VelodyneControl>(control);
+  check_control(parent.inside("control"), sensor.ip_address, sensor.control, reading.warnings);
+  if (sensor.control.read) sensor.driver.control = std::make_shared<VelodyneControl>(sensor.control);
 }
 
 void check_frames(const Mapping& yaml, DriverConfig& driver) {
@@ -217,49 +186,24 @@ void check_distinct(const Mapping& yaml, const SensorConfig& sensor,
   }
 }
 
-CalibrationModel read_calibration_model(const Value& value) {
-  const std::string expected =
-      "ros_drivers (the equations of velodyne_pointcloud), exact (the manual's) or veloview (the viewer's)";
-  const auto equations = calibration_model_of(value.text(expected));
-  if (equations) return *equations;
-  value.fail("is " + value.quoted(), expected);
-}
-
 std::string in_folder_of(const std::string& config_file, const std::string& path) {
   const auto slash = config_file.rfind('/');
   return path.front() == '/' || slash == std::string::npos ? path : config_file.substr(0, slash + 1) + path;
 }
 
-/// `calibration_model:` without a file: the equations for the model's table.
-void apply_to_table(const Value& value, SensorConfig& sensor) {
-  const CalibrationModel equations = read_calibration_model(value);
-  if (equations == CalibrationModel::exact) return;
-  if (equations == CalibrationModel::veloview)
-    value.fail_at_key("is veloview without calibration", "it with a calibration file");
-  if (needs_own_calibration(*sensor.model))
-    value.fail_at_key("is given without calibration", "both: each HDL-64E is calibrated on its own");
-  sensor.driver.calibration = std::make_shared<Calibration>(table_calibration(*sensor.model));
-}
-
-/// Reads `calibration:` and `calibration_model:` of a sensor and the file itself.
+/// Reads the calibration that the keys name.
 void read_calibration(const Mapping& yaml, SensorConfig& sensor, Reading& reading) {
-  const auto file = yaml.find("calibration");
-  const auto model = yaml.find("calibration_model");
-  if (!file) {
-    if (model) apply_to_table(*model, sensor);
-    return;
+  std::optional<CalibrationFile> read;
+  if (const auto file = yaml.find("calibration")) {
+    const std::string expected = "a calibration file, relative to the configuration's folder";
+    sensor.calibration = file->text(expected);
+    const std::string path = in_folder_of(reading.file, sensor.calibration);
+    if (::access(path.c_str(), R_OK) != 0)
+      file->fail("is " + file->quoted() + ", which cannot be read: " + std::strerror(errno), expected);
+    read = {path, read_file(path, calibration_files)};
+    sensor.calibration_digest = std::hash<std::string>()(read->text);
   }
-  const std::string expected = "a calibration file, relative to the configuration's folder";
-  sensor.calibration = file->text(expected);
-  const std::string path = in_folder_of(reading.file, sensor.calibration);
-  if (::access(path.c_str(), R_OK) != 0)
-    file->fail("is " + file->quoted() + ", which cannot be read: " + std::strerror(errno), expected);
-  auto calibration = std::make_shared<Calibration>(load_calibration(path, reading.warnings));
-  sensor.calibration_digest = std::hash<std::string>()(read_file(path, expected));
-  calibration->model = model ? read_calibration_model(*model) : usual_equations(*calibration, *sensor.model);
-  const std::string rejection = calibration_rejection(*calibration, *sensor.model);
-  if (!rejection.empty()) file->fail(rejection, "the calibration of this sensor");
-  sensor.driver.calibration = std::move(calibration);
+  sensor.driver.calibration = check_calibration(yaml, *sensor.model, read, parse_yaml, reading.warnings);
 }
 
 void check_filter_of(const Mapping& parent, SensorConfig& sensor) {
@@ -274,7 +218,7 @@ void check_device(const Mapping& yaml, SensorConfig& sensor, Reading& reading, M
   mistakes.attempt([&] { check_sector(yaml, sensor.driver.sector()); });
   mistakes.attempt([&] { check_filter_of(yaml, sensor); });
   if (sensor.model->has(Trait::web_control) && sensor.packet_topic.empty())
-    mistakes.attempt([&] { check_control(yaml, sensor, reading); });
+    mistakes.attempt([&] { check_control_of(yaml, sensor, reading); });
   if (sensor.model->has(Trait::calibration))
     mistakes.attempt([&] { read_calibration(yaml, sensor, reading); });
   mistakes.attempt([&] { check_requests(yaml, sensor); });

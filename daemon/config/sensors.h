@@ -11,12 +11,15 @@
 #include "core/frames/frame_filter.h"
 #include "core/frames/ring_scan.h"
 #include "daemon/config/outputs.h"
-#include "daemon/config/reading.h"
 #include "daemon/config/topic.h"
 #include "drivers/flow.h"
 #include "drivers/web_control.h"
 
 namespace lidard {
+
+class Mapping;
+struct Reading;
+struct Source;
 
 /// One entry of `sensors:`. Exactly one of model and topic is set.
 struct SensorConfig {

@@ -7,7 +7,8 @@
 #include <cmath>
 
 #include "core/base/angle.h"
-#include "daemon/config/mapping.h"
+#include "core/base/nearest.h"
+#include "daemon/config/removed_keys.h"
 
 namespace lidard {
 namespace {
@@ -26,14 +27,45 @@ bool is_topic_name(const std::string& name) {
                      [](char c) { return is_word_character(c) || c == '/'; });
 }
 
+std::string comma_list(const std::vector<std::string_view>& words) {
+  std::string list;
+  for (auto word = words.begin(); word != words.end(); ++word) {
+    if (std::find(words.begin(), word, *word) == word) list.append(list.empty() ? "" : ", ").append(*word);
+  }
+  return list.find(',') == std::string::npos ? list : "one of " + list;
+}
+
+[[noreturn]] void fail_unknown(const std::string& key, const Value& entry,
+                               const std::vector<std::string_view>& known_keys) {
+  if (const std::string_view instead = instead_of(entry.path()); !instead.empty())
+    entry.fail_at_key("is a key of former versions", std::string(instead));
+  std::string_view near = ours_for(entry.path());
+  if (near.empty()) near = nearest_word(key, known_keys);
+  throw ConfigError(entry.key_place(), "unknown key " + entry.path() + "; expected " +
+                                           (near.empty() ? comma_list(known_keys) : std::string(near)));
+}
+
 }  // namespace
+
+Mapping known_mapping(const Value& value, const std::vector<std::string_view>& known, Mistakes& mistakes) {
+  Mapping::Entries entries;
+  for (auto& one : value.entries(&mistakes)) {
+    if (std::find(known.begin(), known.end(), one.first) != known.end())
+      entries.push_back(std::move(one));
+    else
+      mistakes.attempt([&] { fail_unknown(one.first, one.second, known); });
+  }
+  return {value, std::move(entries), !mistakes.any()};
+}
 
 std::string without_slash(const std::string& name) {
   return name.substr(name.compare(0, 1, "/") == 0 ? 1 : 0);
 }
 
 Pose read_pose(const Value& value) {
-  const Mapping pose(value, {"xyz", "rpy", "rpy_deg"});
+  Mistakes mistakes;
+  const Mapping pose = known_mapping(value, {"xyz", "rpy", "rpy_deg"}, mistakes);
+  mistakes.throw_if_any();
   const std::string expected = "{xyz: [x, y, z], rpy_deg: [roll, pitch, yaw]}";
   const std::vector<double> xyz = pose.require("xyz", expected).numbers(3, vehicle_size_m, "m");
   Eigen::Vector3d rpy = Eigen::Vector3d::Zero();

@@ -3,12 +3,16 @@
 #pragma once
 
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "core/base/pose.h"
 #include "drivers/document.h"
 
 namespace lidard {
 
+/// A mapping with known keys. Unknown and repeated ones are left out, and are mistakes.
+Mapping known_mapping(const Value& value, const std::vector<std::string_view>& known, Mistakes& mistakes);
 /// A pose from {xyz: m, rpy: rad or rpy_deg}.
 Pose read_pose(const Value& value);
 /// A frame's name without leading slash (tf2 has none).

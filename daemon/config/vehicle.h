@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "daemon/config/mapping.h"
 #include "drivers/key.h"
 
 namespace lidard {
 
+class Mapping;
 struct Reading;
 
 /// `vehicle:` of the configuration.

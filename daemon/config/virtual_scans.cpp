@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "daemon/config/merged_clouds.h"
+#include "daemon/config/reading.h"
 #include "daemon/config/rows.h"
 #include "daemon/config/sensors.h"
 #include "daemon/config/vehicle.h"
@@ -50,7 +51,7 @@ void read_poses(const Mapping& yaml, Virtual& scan, Reading& reading) {
   const auto section = yaml.find("poses");
   if (!section) return;
   Mistakes mistakes;
-  const Mapping poses(*section, frames, &mistakes);
+  const Mapping poses = known_mapping(*section, frames, mistakes);
   for (const auto& [frame, value] : poses.entries()) {
     mistakes.attempt([&, &frame = frame, &value = value] {
       const Pose pose = read_pose(value);
