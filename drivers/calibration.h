@@ -46,12 +46,17 @@ struct LaserCalibration {
 };
 
 /// One sensor's calibration; lasers in the order of the slots of a firing sequence.
-struct Calibration {
+struct Calibration : FamilySettings {
   double distance_step_m = 0.002;  ///< one count of the packet's distances
   std::vector<LaserCalibration> lasers;
   CalibrationModel model = CalibrationModel::exact;
   bool is_db_xml = false;  ///< it comes from a db.xml of the vendor's viewer
 };
+
+/// The sensor's own calibration; nullptr: the model's table holds.
+inline const Calibration* own_calibration(const DriverConfig& config) {
+  return static_cast<const Calibration*>(config.calibration.get());
+}
 
 /// The table of a model with the equations of velodyne_pointcloud. Like the files of velodyne_pointcloud it
 /// has no vertical offsets.

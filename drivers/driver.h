@@ -129,8 +129,8 @@ class Driver {
   virtual void finish(DriverOutput& /*out*/) {}
   /// Resets the stream (a capture starts again); keeps the counters and info().
   virtual void restart() = 0;
-  /// Applies settings that may change at run time, from the next frame on: time_offset, min_range, max_range,
-  /// view_direction, view_width.
+  /// Applies those of the settings that may change at run time, from the next frame on; others stay as they
+  /// are.
   virtual void change(const DriverConfig& /*wanted*/) {}
 
   virtual const Counters& counters() const = 0;
@@ -158,8 +158,11 @@ inline DeviceInfo info_of(const Driver& driver, const std::string& input = "the 
 }
 
 struct Model;
-struct VelodyneControl;
-struct Calibration;
+
+/// Settings that only the driver of one family knows.
+struct FamilySettings {
+  virtual ~FamilySettings() = default;
+};
 
 /// Requests to the device. By default only those that start the stream.
 struct DeviceRequests {
@@ -196,8 +199,8 @@ struct DriverConfig {
   bool publish_intensity = true;
   bool publish_multiecho = false;  ///< all echoes of a planar scanner (REP 138)
   DeviceRequests requests;
-  std::shared_ptr<const Calibration> calibration;  ///< nullptr: the model's table
-  std::shared_ptr<const VelodyneControl> control;  ///< web interface; nullptr: not used
+  std::shared_ptr<const FamilySettings> calibration;  ///< Trait::calibration; nullptr: the model's table
+  std::shared_ptr<const FamilySettings> control;      ///< Trait::web_control; nullptr: not used
 
   /// True if a direction (rad, counter-clockwise from the front) lies in the view.
   bool in_view(double direction) const {

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cmath>
-#include <functional>
 #include <initializer_list>
 #include <optional>
 #include <string>
@@ -17,6 +15,7 @@
 #include "core/base/pose.h"
 #include "core/base/time.h"
 #include "drivers/address.h"
+#include "drivers/traits.h"
 
 namespace lidard {
 
@@ -50,24 +49,74 @@ struct Rejection {
   std::string what, expected;
 };
 
-/// Properties of a configuration key, whatever structure it belongs to.
-struct Key {
-  std::string_view name;
+/// A word that a key may have, and the enumerator (or truth value) that it stands for.
+struct Word {
+  template <class Choice>
+  constexpr Word(std::string_view word, Choice choice) : text(word), value(static_cast<int>(choice)) {}
+  std::string_view text;
+  int value;
+};
+
+/// Kind and limits of a key's values.
+struct Form {
   KeyKind kind = KeyKind::special;
-  std::string_view meaning;  ///< one line, for the reference
   double lowest = 0, highest = 0;
-  std::string_view unit;                ///< of a number; an angle is in rad, or in degrees as `name`_deg
-  std::vector<std::string_view> words;  ///< allowed
-  std::string_view form;                ///< form of a text or a special value, for messages
-  std::string_view preset;              ///< description of a default that depends on other things
-  std::string_view remark;              ///< the behaviour while the key is not set
-  KeyValue otherwise;                   ///< the value that means "not set", if there is one
+  std::string_view unit{};    ///< of a number; an angle is in rad, or in degrees as `name`_deg
+  std::string_view form{};    ///< of a text, a word or a special value, for messages
+  std::vector<Word> words{};  ///< allowed; if several mean one value, the last one is written
+  std::optional<Rejection> (*rejection)(const KeyValue& value) = nullptr;  ///< a further check of a value
+};
+
+/// What holds while a key is missing.
+struct Missing {
+  std::string_view preset{};  ///< description of a default that depends on other things
+  std::string_view remark{};  ///< the behaviour while no value is set
+  KeyValue otherwise{};       ///< the value that means "not set", if there is one
   bool required = false;
   bool may_be_empty = false;  ///< an empty text means none
-  bool short_form = false;    ///< a section: a single value stands for its first key
-  bool flow = false;          ///< a section is written in one line
-  bool live = false;          ///< it can be changed while the daemon runs
-  std::optional<Rejection> (*rejection)(const KeyValue& value) = nullptr;  ///< a further check of a value
+};
+
+/// How a section is written: a line for each key, or all in one line; `brief`: a single value may stand for
+/// its first key.
+enum class SectionStyle : std::uint8_t { lines, one_line, brief };
+
+/// A key of the configuration: one row of a table, made as a KeyOf<Owner>.
+struct Key : Form, Missing {
+  std::string_view name;
+  std::string_view meaning;      ///< one line, for the reference
+  std::optional<Trait> trait{};  ///< of a sensor: the models that accept it; none: every source
+  bool live = false;             ///< it can be changed while the daemon runs
+  SectionStyle style = SectionStyle::lines;
+  std::vector<Key> inner;  ///< of a section
+
+  Key(Form limits, Missing without, std::string_view called, std::string_view help)
+      : Form(std::move(limits)), Missing(std::move(without)), name(called), meaning(help) {}
+  /// The value in a structure of the type that the table is for.
+  KeyValue get(const void* owner) const {
+    return read_ == nullptr ? KeyValue() : read_(static_cast<const char*>(owner) + offset_, *this);
+  }
+  /// Stores a value of the right kind (a valid address for an IpAddress). The enclosing section parses keys
+  /// that cannot be set.
+  void set(void* owner, const KeyValue& value) const {
+    store_(static_cast<char*>(owner) + offset_, value, *this);
+  }
+  bool can_be_set() const { return store_ != nullptr; }
+  /// The key of a structure that stands `bytes` behind the begin of another one, as a key of that one.
+  void shift(std::ptrdiff_t bytes) {
+    offset_ += bytes;
+    for (Key& key : inner) key.shift(bytes);
+  }
+
+ protected:
+  template <class Owner>
+  static KeyValue call_getter(const void* owner, const Key& key) {
+    return reinterpret_cast<KeyValue (*)(const Owner&)>(key.getter_)(*static_cast<const Owner*>(owner));
+  }
+
+  std::ptrdiff_t offset_ = 0;  // of the member in its structure
+  KeyValue (*read_)(const void* member, const Key& key) = nullptr;
+  void (*store_)(void* member, const KeyValue& value, const Key& key) = nullptr;
+  void (*getter_)() = nullptr;  // a KeyValue (*)(const Owner&) in place of a member
 };
 
 inline KeyValue key_value(bool value) { return value; }
@@ -88,202 +137,166 @@ KeyValue key_value(const std::optional<T>& value) {
   return value ? key_value(*value) : KeyValue();
 }
 
-/// Stores a value in a member. `value` must be of the right kind (a valid address for an IpAddress).
-template <class T>
-void store_value(const KeyValue& value, T& member) {
-  if constexpr (std::is_same_v<T, Span>)
-    member = span_from_seconds(std::get<double>(value));
-  else if constexpr (std::is_same_v<T, IpAddress>)
-    member = IpAddress::parse(std::get<std::string>(value)).value_or(IpAddress());
-  else if constexpr (std::is_arithmetic_v<T> && !std::is_same_v<T, bool>)
-    member = static_cast<T>(std::get<double>(value));
-  else
-    member = std::get<T>(value);
+/// A member of `Owner`, or of a structure inside of it.
+template <class Owner, class T>
+struct Member {
+  std::ptrdiff_t offset;
+};
+template <class Owner, class T>
+Member<Owner, T> at(T Owner::*member) {
+  static const Owner probe{};
+  return {reinterpret_cast<const char*>(&(probe.*member)) - reinterpret_cast<const char*>(&probe)};
 }
-template <class T>
-void store_value(const KeyValue& value, std::optional<T>& member) {
-  member.reset();
-  if (value.is_set()) store_value(value, member.emplace());
+template <class Owner, class Inner, class T>
+Member<Owner, T> at(Inner Owner::*first, Member<Inner, T> rest) {
+  return {at(first).offset + rest.offset};
 }
+template <class Owner, class Inner, class... Path>
+auto at(Inner Owner::*first, Path... path) {
+  return at(first, at(path...));
+}
+/// The value of a member, and how it is stored there.
+template <class T>
+struct Stored {
+  static constexpr bool is_choice = std::is_enum_v<T> || std::is_same_v<T, bool>;
 
-/// A key of the structure `Owner`: one row of a table. The member functions add properties to the row.
-template <class Owner>
-struct KeyOf : Key {
-  std::function<KeyValue(const Owner&)> get;
-  std::function<void(Owner&, const KeyValue&)> set;
-  std::function<bool(const Owner&)> shown;   ///< false: the key has no meaning now; empty: always shown
-  std::function<double(const Owner&)> most;  ///< the highest number, where it depends on other keys
-  std::vector<KeyOf> inner;                  ///< of a section
-
-  KeyOf&& of_form(std::string_view text) && { return form = text, std::move(*this); }
-  KeyOf&& by_default(std::string_view text) && { return preset = text, std::move(*this); }
-  KeyOf&& unless_set(std::string_view text) && { return remark = text, std::move(*this); }
-  KeyOf&& or_else(const KeyValue& value) && { return otherwise = value, std::move(*this); }
-  KeyOf&& or_empty() && { return may_be_empty = true, std::move(*this); }
-  KeyOf&& needed() && { return required = true, std::move(*this); }
-  KeyOf&& as_angle() && { return kind = KeyKind::angle, unit = "rad", std::move(*this); }
-  KeyOf&& in_short() && { return short_form = true, std::move(*this); }
-  KeyOf&& in_one_line() && { return flow = true, std::move(*this); }
-  KeyOf&& shown_if(std::function<bool(const Owner&)> when) && {
-    return shown = std::move(when), std::move(*this);
+  static KeyValue read(const T& member, const Key& key) {
+    if constexpr (is_choice) {
+      KeyValue found;
+      for (const Word& word : key.words) {
+        if (word.value == static_cast<int>(member)) found = std::string(word.text);
+      }
+      if (std::is_enum_v<T> || !key.words.empty()) return found;
+    }
+    if constexpr (std::is_enum_v<T>)
+      return {};
+    else
+      return key_value(member);
   }
-  KeyOf&& checked(std::optional<Rejection> (*check)(const KeyValue&)) && {
-    return rejection = check, std::move(*this);
+  static void store(T& member, const KeyValue& value, const Key& key) {
+    if constexpr (is_choice) {
+      const auto* text = std::get_if<std::string>(&value);
+      for (const Word& word : key.words) {
+        if (text != nullptr && word.text == *text) member = static_cast<T>(word.value);
+      }
+    }
+    if constexpr (std::is_same_v<T, Span>)
+      member = span_from_seconds(std::get<double>(value));
+    else if constexpr (std::is_same_v<T, IpAddress>)
+      member = IpAddress::parse(std::get<std::string>(value)).value_or(IpAddress());
+    else if constexpr (std::is_same_v<T, std::string>)
+      member = key.kind == KeyKind::whole ? number_text(std::get<double>(value)) : std::get<T>(value);
+    else if constexpr (std::is_same_v<T, bool>)
+      member = key.words.empty() ? std::get<bool>(value) : member;
+    else if constexpr (std::is_arithmetic_v<T>)
+      member = static_cast<T>(std::get<double>(value));
+    else if constexpr (std::is_same_v<T, Pose>)
+      member = std::get<Pose>(value);
+  }
+};
+template <class T>
+struct Stored<std::optional<T>> {
+  static KeyValue read(const std::optional<T>& member, const Key& key) {
+    return member ? Stored<T>::read(*member, key) : KeyValue();
+  }
+  static void store(std::optional<T>& member, const KeyValue& value, const Key& key) {
+    member.reset();
+    if (value.is_set()) Stored<T>::store(member.emplace(), value, key);
   }
 };
 
 template <class Owner>
-using Keys = std::vector<KeyOf<Owner>>;
+class Keys;
 
+/// A key of the structure `Owner`: {name, member, form, meaning, missing}.
 template <class Owner>
-Keys<Owner> joined(std::initializer_list<Keys<Owner>> parts) {
-  Keys<Owner> all;
-  for (const Keys<Owner>& part : parts) all.insert(all.end(), part.begin(), part.end());
-  return all;
-}
+struct KeyOf : Key {
+  template <class T>
+  KeyOf(std::string_view called, Member<Owner, T> member, Form limits, std::string_view help,
+        Missing without = {})
+      : KeyOf(called, std::move(limits), help, std::move(without)) {
+    offset_ = member.offset;
+    read_ = [](const void* at, const Key& key) { return Stored<T>::read(*static_cast<const T*>(at), key); };
+    if (kind == KeyKind::special) return;
+    store_ = [](void* at, const KeyValue& value, const Key& key) {
+      Stored<T>::store(*static_cast<T*>(at), value, key);
+    };
+  }
+  template <class T>
+  KeyOf(std::string_view called, T Owner::*member, Form limits, std::string_view help, Missing without = {})
+      : KeyOf(called, at(member), std::move(limits), help, std::move(without)) {}
+  /// A key that `getter` shows and the enclosing section parses.
+  KeyOf(std::string_view called, KeyValue (*getter)(const Owner&), Form limits, std::string_view help,
+        Missing without = {})
+      : KeyOf(called, std::move(limits), help, std::move(without)) {
+    getter_ = reinterpret_cast<void (*)()>(getter);
+    read_ = call_getter<Owner>;
+  }
+  /// A section.
+  template <class T>
+  KeyOf(std::string_view called, T Owner::*member, Keys<T> keys, std::string_view help,
+        SectionStyle written = SectionStyle::lines)
+      : KeyOf(called, Form{KeyKind::section}, help, {}) {
+    style = written;
+    inner = std::move(keys);
+    for (Key& key : inner) key.shift(at(member).offset);
+  }
 
-/// The value to show; empty if the key is not shown or not set.
+ private:
+  KeyOf(std::string_view called, Form limits, std::string_view help, Missing without)
+      : Key(std::move(limits), std::move(without), called, help) {}
+};
+
+/// The keys of the structure `Owner`, in the order in which they are read and written.
 template <class Owner>
-KeyValue shown_value(const KeyOf<Owner>& key, const Owner& owner) {
-  if (!key.get || (key.shown && !key.shown(owner))) return {};
-  KeyValue value = key.get(owner);
-  const auto* text = std::get_if<std::string>(&value);
-  const auto* number = std::get_if<double>(&value);
-  const bool is_none = (text != nullptr && text->empty() && !key.may_be_empty) ||
-                       (number != nullptr && !std::isfinite(*number));
-  return is_none ? KeyValue() : value;
-}
-template <class Owner>
-KeyMap shown_values(const Keys<Owner>& keys, const Owner& owner) {
-  KeyMap map;
-  for (const auto& key : keys) map.emplace_back(key.name, shown_value(key, owner));
-  return map;
-}
+class Keys : public std::vector<Key> {
+ public:
+  Keys() = default;
+  Keys(std::initializer_list<KeyOf<Owner>> rows) : std::vector<Key>(rows.begin(), rows.end()) {}
+  Keys(std::initializer_list<Keys> parts) {
+    for (const Keys& part : parts) insert(end(), part.begin(), part.end());
+  }
+};
 
 /// The keys of a member as keys of its owner.
-template <class Owner, class Member>
-Keys<Owner> within(Member Owner::*member, const Keys<Member>& keys) {
+template <class Owner, class T>
+Keys<Owner> within(T Owner::*member, const Keys<T>& keys) {
   Keys<Owner> lifted;
-  for (const KeyOf<Member>& key : keys) {
-    KeyOf<Owner>& one = lifted.emplace_back();
-    static_cast<Key&>(one) = key;
-    if (key.get) one.get = [member, get = key.get](const Owner& owner) { return get(owner.*member); };
-    if (key.set)
-      one.set = [member, set = key.set](Owner& owner, const KeyValue& value) { set(owner.*member, value); };
-    if (key.shown) one.shown = [member, when = key.shown](const Owner& owner) { return when(owner.*member); };
-    if (key.most) one.most = [member, most = key.most](const Owner& owner) { return most(owner.*member); };
-    one.inner = within(member, key.inner);
-  }
+  lifted.assign(keys.begin(), keys.end());
+  for (Key& key : lifted) key.shift(at(member).offset);
   return lifted;
 }
 
-/// Rows of every kind.
+/// What rows are made of.
 namespace keys {
 
-/// A key that `get` writes and the enclosing section parses.
-template <class Owner>
-KeyOf<Owner> special(std::string_view name, std::string_view form, std::function<KeyValue(const Owner&)> get,
-                     std::string_view meaning) {
-  KeyOf<Owner> key;
-  key.name = name;
-  key.form = form;
-  key.meaning = meaning;
-  key.get = std::move(get);
-  return key;
-}
-
-template <class Owner, class Member>
-KeyOf<Owner> of_kind(KeyKind kind, std::string_view name, Member Owner::*member, std::string_view meaning) {
-  KeyOf<Owner> key;
-  key.name = name;
-  key.kind = kind;
-  key.meaning = meaning;
-  key.get = [member](const Owner& owner) { return key_value(owner.*member); };
-  key.set = [member](Owner& owner, const KeyValue& value) { store_value(value, owner.*member); };
-  return key;
-}
-
-template <class Owner, class Member>
-KeyOf<Owner> flag(std::string_view name, Member Owner::*member, std::string_view meaning) {
-  return of_kind(KeyKind::flag, name, member, meaning);
-}
-
+inline const Form flag{KeyKind::flag}, topic{KeyKind::topic}, frame{KeyKind::frame}, pose{KeyKind::pose};
 /// A number, or a span of time in seconds.
-template <class Owner, class Member>
-KeyOf<Owner> number(std::string_view name, Member Owner::*member, double lowest, double highest,
-                    std::string_view unit, std::string_view meaning) {
-  KeyOf<Owner> key = of_kind(KeyKind::number, name, member, meaning);
-  key.lowest = lowest;
-  key.highest = highest;
-  key.unit = unit;
-  return key;
+inline Form number(double lowest, double highest, std::string_view unit) {
+  return {KeyKind::number, lowest, highest, unit};
 }
-
-template <class Owner, class Member>
-KeyOf<Owner> whole(std::string_view name, Member Owner::*member, double lowest, double highest,
-                   std::string_view meaning) {
-  KeyOf<Owner> key = number(name, member, lowest, highest, "", meaning);
-  key.kind = KeyKind::whole;
-  return key;
+inline Form whole(double lowest, double highest,
+                  std::optional<Rejection> (*rejection)(const KeyValue&) = nullptr) {
+  return {KeyKind::whole, lowest, highest, {}, {}, {}, rejection};
 }
-
 /// An angle: `name` in rad, or `name`_deg in degrees. The parser rejects the wrong unit; the section checks
 /// the limits.
-template <class Owner, class Member>
-KeyOf<Owner> angle(std::string_view name, Member Owner::*member, double lowest, double highest,
-                   std::string_view meaning) {
-  KeyOf<Owner> key = number(name, member, lowest, highest, "rad", meaning);
-  key.kind = KeyKind::angle;
-  return key;
+inline Form angle(double lowest, double highest) { return {KeyKind::angle, lowest, highest, "rad"}; }
+/// One of a few words; without a form for messages they are listed.
+inline Form word(std::vector<Word> words, std::string_view form = {}) {
+  return {KeyKind::word, 0, 0, {}, form, std::move(words)};
 }
+inline Form text(std::string_view form, std::optional<Rejection> (*rejection)(const KeyValue&) = nullptr) {
+  return {KeyKind::text, 0, 0, {}, form, {}, rejection};
+}
+inline Form special(std::string_view form) { return {KeyKind::special, 0, 0, {}, form}; }
 
-template <class Choice>
-using Words = std::vector<std::pair<std::string_view, Choice>>;
-
-/// One of a few words, each for a value of the member. If several words mean one value, the last one is
-/// written.
-template <class Owner, class Member>
-KeyOf<Owner> word(std::string_view name, Member Owner::*member, const Words<Member>& words,
-                  std::string_view meaning) {
-  KeyOf<Owner> key = special<Owner>(name, {}, {}, meaning);
-  key.kind = KeyKind::word;
-  for (const auto& one : words) key.words.push_back(one.first);
-  key.get = [member, words](const Owner& owner) {
-    KeyValue value;
-    for (const auto& [text, choice] : words) {
-      if (owner.*member == choice) value = std::string(text);
-    }
-    return value;
-  };
-  key.set = [member, words](Owner& owner, const KeyValue& value) {
-    for (const auto& [text, choice] : words) {
-      if (text == std::get<std::string>(value)) owner.*member = choice;
-    }
-  };
-  return key;
-}
-
-template <class Owner, class Member>
-KeyOf<Owner> text(std::string_view name, Member Owner::*member, std::string_view form,
-                  std::string_view meaning) {
-  return of_kind(KeyKind::text, name, member, meaning).of_form(form);
-}
-template <class Owner>
-KeyOf<Owner> topic(std::string_view name, std::string Owner::*member, std::string_view meaning) {
-  return of_kind(KeyKind::topic, name, member, meaning);
-}
-template <class Owner>
-KeyOf<Owner> frame(std::string_view name, std::string Owner::*member, std::string_view meaning) {
-  return of_kind(KeyKind::frame, name, member, meaning);
-}
-
-/// Keys beneath a key, of the same structure.
-template <class Owner>
-KeyOf<Owner> section(std::string_view name, Keys<Owner> inner, std::string_view meaning) {
-  KeyOf<Owner> key = special<Owner>(name, {}, {}, meaning);
-  key.kind = KeyKind::section;
-  key.inner = std::move(inner);
-  return key;
+inline const Missing needed{{}, {}, {}, true};
+/// An empty text means none.
+inline const Missing or_none{{}, {}, {}, false, true};
+inline Missing preset(std::string_view text) { return {text}; }
+inline Missing remark(std::string_view text, KeyValue otherwise = {}) {
+  return {{}, text, std::move(otherwise)};
 }
 
 }  // namespace keys

@@ -6,51 +6,18 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <initializer_list>
 #include <memory>
 #include <string_view>
 #include <vector>
 
 #include "core/base/angle.h"
 #include "drivers/driver.h"
+#include "drivers/traits.h"
 
 namespace lidard {
 
 /// What a sensor produces.
 enum class FrameKind : std::uint8_t { scan, cloud };
-
-/// An ability of some models. A key of the configuration that only some models accept names one of these.
-enum class Trait : std::uint8_t {
-  echoes,       ///< several echoes of a beam of a planar scanner
-  revolutions,  ///< clouds are revolutions of firing sequences, which can be cut, organised and split by ring
-  calibration,  ///< accepts a calibration file
-  silent_beams_are_free,  ///< a beam without return proves that nothing is there, up to free_range()
-  packet_messages,        ///< packets can also come in velodyne_msgs/VelodyneScan
-  gnss,                   ///< sends the sentences of a satellite receiver to telemetry_port
-  web_control,            ///< its settings are read and changed through its web interface
-  settings_writable,      ///< settings can be changed over TCP, if allowed
-  receiver_settable,      ///< streams over UDP and the receiver's address can be set over TCP
-  logins,                 ///< has user levels with passwords
-  skip_setting,           ///< can skip scans, by a setting of the device (CoLa)
-  skip_request,           ///< can skip scans and merge beams, by the request for scans (SCIP)
-  states_on_request,      ///< sends its states only on request (CoLa)
-};
-
-/// The traits of a model.
-class Traits {
- public:
-  constexpr Traits() = default;
-  constexpr Traits(std::initializer_list<Trait> traits) { add(traits); }
-  constexpr void add(Trait trait) { bits_ |= bit(trait); }
-  constexpr void add(std::initializer_list<Trait> traits) {
-    for (const Trait trait : traits) add(trait);
-  }
-  constexpr bool has(Trait trait) const { return (bits_ & bit(trait)) != 0; }
-
- private:
-  static constexpr std::uint32_t bit(Trait trait) { return 1U << static_cast<unsigned>(trait); }
-  std::uint32_t bits_ = 0;
-};
 
 /// Messages of one kind that a device sends beside its frames.
 struct MessageTopic {
@@ -107,7 +74,24 @@ struct Model {
 
   /// m that a beam without return proves free.
   double free_range() const { return dark_range > 0 ? std::min(dark_range, range_max) : range_max; }
-  bool has(Trait trait) const { return traits.has(trait); }
+  bool has(Trait trait) const {
+    switch (trait) {
+      case Trait::known:
+        return true;
+      case Trait::planar:
+        return kind == FrameKind::scan;
+      case Trait::multi_plane:
+        return kind == FrameKind::cloud;
+      case Trait::datagrams:
+        return transport == Transport::udp;
+      case Trait::scans:
+        return kind == FrameKind::scan || traits.has(Trait::revolutions);
+      case Trait::skips:
+        return traits.has(Trait::skip_setting) || traits.has(Trait::skip_request);
+      default:
+        return traits.has(trait);
+    }
+  }
   /// True if the device may send messages of this kind.
   template <class Kind>
   bool sends() const {

@@ -4,11 +4,16 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "drivers/address.h"
+#include "drivers/driver.h"
 #include "drivers/key.h"
 
 namespace lidard {
+
+class Mapping;
 
 enum class VelodyneReturns : std::uint8_t { strongest, last, dual };
 /// Requested settings of the sensor; settings without a value stay unchanged.
@@ -23,7 +28,7 @@ struct VelodyneSettings {
 };
 
 /// `control:` of a sensor: permitted use of its web interface.
-struct VelodyneControl {
+struct VelodyneControl : FamilySettings {
   bool read = false;         ///< false: no traffic to the sensor
   bool allow_write = false;  ///< writes settings that differ from `wanted`
   std::uint16_t port = 80;
@@ -32,7 +37,16 @@ struct VelodyneControl {
   VelodyneSettings wanted;
 };
 
+/// The permitted use of a sensor's web interface; nullptr: none.
+inline const VelodyneControl* web_control(const DriverConfig& config) {
+  return static_cast<const VelodyneControl*>(config.control.get());
+}
+
 /// Keys of `control:` of a sensor: Trait::web_control. drivers/velodyne/web defines them.
 Keys<VelodyneControl> control_keys();
+/// What these keys have to fulfil together, and what follows from them; `yaml`: the section; `address`: of
+/// the sensor. Throws ConfigError; appends warnings with their places.
+void check_control(const Mapping& yaml, const std::optional<IpAddress>& address, VelodyneControl& control,
+                   std::vector<std::string>& warnings);
 
 }  // namespace lidard

@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "core/mounts/mount_solver.h"
+#include "core/mounts/placement.h"
 
 namespace lidard {
 

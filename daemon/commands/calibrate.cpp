@@ -12,7 +12,7 @@
 #include "core/base/angle.h"
 #include "core/mounts/seen_motion.h"
 #include "daemon/config/pose_edit.h"
-#include "daemon/config/reading.h"
+#include "daemon/config/yaml.h"
 #include "daemon/files/snapshot_view.h"
 #include "daemon/files/text_file.h"
 #include "daemon/ros/in/bag_topics.h"

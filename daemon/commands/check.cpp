@@ -12,7 +12,7 @@
 #include "daemon/commands/commands.h"
 #include "daemon/commands/field_sight.h"
 #include "daemon/config/config.h"
-#include "daemon/config/yaml_reader.h"
+#include "daemon/config/yaml.h"
 #include "daemon/files/text_table.h"
 #include "daemon/pipeline/frame_tree.h"
 

@@ -118,7 +118,7 @@ class FieldSensor {
 FieldOfView view_of(const SensorConfig& sensor) {
   FieldOfView view = sensor.model->field;
   if (view.beams == 0) view = usual_model(sensor.model->kind).field;
-  const Calibration* const own = sensor.driver.calibration.get();
+  const Calibration* const own = own_calibration(sensor.driver);
   if (own == nullptr) return view;
   view.elevations_deg.clear();
   for (const LaserCalibration& laser : own->lasers)

@@ -7,10 +7,11 @@
 #include "core/base/number_text.h"
 #include "daemon/commands/commands.h"
 #include "daemon/commands/inspect_survey.h"
-#include "daemon/config/yaml_reader.h"
 #include "daemon/files/text_table.h"
+#include "daemon/health/reception_verdict.h"
 #include "daemon/health/report.h"
 #include "daemon/ros/in/bag_topics.h"
+#include "drivers/document.h"
 
 namespace lidard {
 namespace {

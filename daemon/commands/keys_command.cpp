@@ -6,7 +6,7 @@
 
 #include "core/base/number_text.h"
 #include "daemon/commands/commands.h"
-#include "daemon/config/key_tables.h"
+#include "daemon/config/config.h"
 #include "drivers/registry/registry.h"
 
 namespace lidard {
@@ -21,11 +21,10 @@ std::string text_of(const KeyValue& value) {
   return "";
 }
 
-template <class Owner>
-std::string preset_of(const KeyOf<Owner>& key, const Owner& owner) {
+std::string preset_of(const Key& key, const void* owner) {
   if (key.required) return "must be given";
   if (!key.preset.empty()) return std::string(key.preset);
-  KeyValue value = key.get ? key.get(owner) : KeyValue();
+  KeyValue value = key.get(owner);
   const auto* number = std::get_if<double>(&value);
   if (number != nullptr && !std::isfinite(*number)) value = KeyValue();
   std::string text = text_of(value);
@@ -38,7 +37,7 @@ std::string preset_of(const KeyOf<Owner>& key, const Owner& owner) {
 std::string value_text(const Key& key) {
   if (!key.words.empty()) {
     std::string list;
-    for (const auto word : key.words) list.append(list.empty() ? "" : ", ").append(word);
+    for (const Word& word : key.words) list.append(list.empty() ? "" : ", ").append(word.text);
     return list;
   }
   const std::string limits = printed("%.6g", key.lowest) + " to " + printed("%.6g", key.highest);
@@ -59,7 +58,8 @@ std::string value_text(const Key& key) {
     case KeyKind::pose:
       return "{xyz: [x, y, z], rpy_deg: [roll, pitch, yaw]}; m, or rpy in rad";
     case KeyKind::section:
-      return key.short_form ? "keys of its own, or " + std::string("the first of them") : "keys of its own";
+      return std::string("keys of its own") +
+             (key.style == SectionStyle::brief ? ", or the first of them" : "");
     default:
       return std::string(key.form);
   }
@@ -71,39 +71,42 @@ const char* kind_text(KeyKind kind) {
   return names[static_cast<std::size_t>(kind)];
 }
 
-/// A key for the reference; `group`: of models that accept it, nullptr: not a key of sensors.
+/// A key for the reference; `trait`: of models that accept it; none: every source does.
 Json json_of(const std::string& section, const Key& key, const std::string& preset,
-             const SensorGroup* group) {
+             std::optional<Trait> trait) {
   Json json{{"section", section},       {"key", key.name},         {"kind", kind_text(key.kind)},
             {"value", value_text(key)}, {"default", preset},       {"meaning", key.meaning},
             {"live", key.live},         {"required", key.required}};
   if (key.highest > key.lowest) json.update({{"min", key.lowest}, {"max", key.highest}, {"unit", key.unit}});
-  if (!key.words.empty()) json["words"] = key.words;
-  if (group == nullptr || group->takes == nullptr) return json;
-  json["products"] = group->models;
+  for (const Word& word : key.words) json["words"].push_back(word.text);
+  if (!trait) return json;
+  json["products"] = products_with(*trait);
   for (const Model& model : models()) {
-    if (group->takes(model)) json["models"].push_back(model.name);
+    if (model.has(*trait)) json["models"].push_back(model.name);
   }
   return json;
 }
 
-/// Adds the keys to their section, and those below them to sections of their own.
-template <class Owner>
-void add(Json& sections, const std::string& name, const Keys<Owner>& keys, const Owner& owner,
-         const SensorGroup* group = nullptr) {
-  for (const auto& key : keys) {
+/// Adds the keys of a structure to their section, and those below them to sections of their own.
+void add(Json& sections, const std::string& name, const std::vector<Key>& keys, const void* owner,
+         std::optional<Trait> of_section = {}) {
+  for (const Key& key : keys) {
+    const std::optional<Trait> trait = key.trait ? key.trait : of_section;
     const std::string preset = key.kind == KeyKind::section ? "" : preset_of(key, owner);
-    sections[name].push_back(json_of(name, key, preset, group));
-    if (!key.inner.empty()) add(sections, name + "." + std::string(key.name), key.inner, owner, group);
+    sections[name].push_back(json_of(name, key, preset, trait));
+    if (!key.inner.empty()) add(sections, name + "." + std::string(key.name), key.inner, owner, trait);
   }
+}
+template <class Owner>
+void add(Json& sections, const std::string& name, const Keys<Owner>& keys, const Owner& owner) {
+  add(sections, name, keys, static_cast<const void*>(&owner));
 }
 
 /// All keys, by section.
 Json all_sections() {
   Json all;
   add(all, "vehicle", vehicle_keys(), VehicleConfig());
-  for (const SensorGroup& group : sensor_groups())
-    add(all, "sensors.NAME", group.keys, SensorConfig(), &group);
+  add(all, "sensors.NAME", sensor_keys(), SensorConfig());
   add(all, "merged_scans.NAME", merged_keys(), MergedScanConfig());
   add(all, "merged_scans.NAME.source_settings.SOURCE", source_keys(), SourceSettings());
   add(all, "merged_clouds.NAME", merged_cloud_keys(), MergedCloudConfig());

@@ -2,31 +2,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <optional>
 #include <string>
-#include <string_view>
-#include <utility>
 #include <vector>
 
-#include "drivers/calibration.h"
+#include "daemon/config/yaml.h"
+#include "drivers/calibration_file.h"
 
 namespace lidard {
 
-/// Names of the equations in a configuration and on the command line.
-constexpr std::pair<std::string_view, CalibrationModel> calibration_models[] = {
-    {"ros_drivers", CalibrationModel::ros_drivers},
-    {"exact", CalibrationModel::exact},
-    {"veloview", CalibrationModel::veloview}};
-std::optional<CalibrationModel> calibration_model_of(std::string_view name);
-std::string_view name_of(CalibrationModel equations);
-
-/// Reads the calibration of a Velodyne: a YAML file of velodyne_pointcloud, or the db.xml of the sensor or of
-/// VeloView, recognized by the content. Throws ConfigError `file:line:column: what; expected …` (for XML
-/// without a column). Appends warnings with their places to `warnings`. The model of the result is
-/// `ros_drivers`.
-Calibration load_calibration(const std::string& path, std::vector<std::string>& warnings);
-/// The same from text; `name` replaces the file name in messages.
-Calibration parse_calibration(const std::string& text, const std::string& name,
-                              std::vector<std::string>& warnings);
+/// Reads a calibration file as parse_calibration() does.
+inline Calibration load_calibration(const std::string& path, std::vector<std::string>& warnings) {
+  return parse_calibration(read_file(path, calibration_files), path, parse_yaml, warnings);
+}
 
 }  // namespace lidard

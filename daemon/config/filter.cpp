@@ -1,46 +1,24 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-// `filter:` of a sensor: returns that are removed from the messages of its own topics.
-#include "core/frames/frame_filter.h"
+#include "daemon/config/filter.h"
+
 #include "daemon/config/module.h"
-#include "daemon/config/sections.h"
 
 namespace lidard {
 namespace {
 
-using namespace keys;
 using F = FrameFilterSettings;
 
 constexpr double furthest_m = 1000;
 constexpr double highest_intensity = 65535;
 constexpr const char* box_form = "two opposite corners [[x, y, z], [x, y, z]], m";
 
-/// Two opposite corners.
-KeyOf<F> box_row(std::string_view name, std::optional<FilterBox> F::*member, std::string_view meaning) {
+KeyValue corners_of(const std::optional<FilterBox>& box) {
   const auto corner = [](const Eigen::Vector3d& at) { return KeyList{at.x(), at.y(), at.z()}; };
-  const auto get = [member, corner](const F& filter) {
-    const auto& box = filter.*member;
-    return box ? KeyValue(KeyList{corner(box->min()), corner(box->max())}) : KeyValue();
-  };
-  return special<F>(name, box_form, get, meaning);
+  return box ? KeyValue(KeyList{corner(box->min()), corner(box->max())}) : KeyValue();
 }
-
-Keys<F> rows() {
-  const auto wanted = [](const F& filter) { return filter.outlier_radius > 0; };
-  return {number("intensity_min", &F::intensity_min, 0, highest_intensity, "", "weaker returns are removed")
-              .by_default("no limit"),
-          box_row("box", &F::box, "returns outside are removed; in frame_id of the sensor"),
-          box_row("cut_out", &F::cut_out, "returns inside are removed: the vehicle itself"),
-          number("voxel_size", &F::voxel_size, 0, 100, "m",
-                 "clouds: of the returns in such a cube the one nearest to its centre stays; 0: all")
-              .shown_if([](const F& filter) { return filter.voxel_size > 0; }),
-          number("outlier_radius", &F::outlier_radius, 0, 100, "m",
-                 "where others are looked for; 0: outliers stay; needs the package lidard-pcl")
-              .shown_if(wanted),
-          whole("outlier_neighbours", &F::outlier_neighbours, 1, 1000,
-                "a return with fewer others in that radius is an outlier")
-              .shown_if(wanted)};
-}
+KeyValue box_of(const F& filter) { return corners_of(filter.box); }
+KeyValue cut_out_of(const F& filter) { return corners_of(filter.cut_out); }
 
 void read_box(const Mapping& filter, const char* name, std::optional<FilterBox>& box) {
   const auto value = filter.find(name);
@@ -61,13 +39,11 @@ void check_height(const Mapping& yaml, const F& filter) {
     yaml.where("box").fail("leaves out the whole scan, which lies at z 0", "a box from z <= 0 to z >= 0");
 }
 
-void check_intensity(const Mapping& yaml, const SensorConfig& sensor) {
-  if (!sensor.filter.intensity_min || sensor.model->kind == FrameKind::cloud ||
-      sensor.driver.publish_intensity)
-    return;
-  yaml.where("intensity_min")
-      .fail_at_key("has nothing to go by: publish_intensity is false",
-                   "publish_intensity: true, or no such key");
+void check_intensity(const Mapping& yaml, const FilteredFrames& frames) {
+  if (yaml.has("intensity_min") && frames.model.kind == FrameKind::scan && !frames.have_intensities)
+    yaml.where("intensity_min")
+        .fail_at_key("has nothing to go by: publish_intensity is false",
+                     "publish_intensity: true, or no such key");
 }
 
 void load_outliers(const Mapping& yaml, F& filter) {
@@ -85,32 +61,44 @@ void load_outliers(const Mapping& yaml, F& filter) {
   }
 }
 
-void check_voxels(const Mapping& yaml, const SensorConfig& sensor) {
-  if (sensor.filter.voxel_size > 0 && sensor.model->kind == FrameKind::scan)
+void check_voxels(const Mapping& yaml, const Model& model, const F& filter) {
+  if (filter.voxel_size > 0 && model.kind == FrameKind::scan)
     yaml.where("voxel_size")
-        .fail_at_key("is not available for " + std::string(sensor.model->name) + ", which gives no clouds",
+        .fail_at_key("is not available for " + std::string(model.name) + ", which gives no clouds",
                      "no such key: every beam of a scan has its place");
 }
 
 }  // namespace
 
-Keys<SensorConfig> filter_rows() {
-  const auto wanted = [](const SensorConfig& sensor) { return sensor.filter.any(); };
-  return {section("filter", within(&SensorConfig::filter, rows()),
-                  "what is left out of its messages; merged and virtual scans see all of it")
-              .shown_if(wanted)};
+const Keys<F>& filter_keys() {
+  using namespace keys;
+  static const Keys<F> rows{
+      {"intensity_min", &F::intensity_min, number(0, highest_intensity, ""), "weaker returns are removed",
+       preset("no limit")},
+      {"box", box_of, special(box_form), "returns outside are removed; in frame_id of the sensor"},
+      {"cut_out", cut_out_of, special(box_form), "returns inside are removed: the vehicle itself"},
+      {"voxel_size", &F::voxel_size, number(0, 100, "m"),
+       "clouds: of the returns in such a cube the one nearest to its centre stays; 0: all"},
+      {"outlier_radius", &F::outlier_radius, number(0, 100, "m"),
+       "where others are looked for; 0: outliers stay; needs the package lidard-pcl"},
+      {"outlier_neighbours", &F::outlier_neighbours, whole(1, 1000),
+       "a return with fewer others in that radius is an outlier"}};
+  return rows;
 }
 
-void check_filter(Mapping& parent, SensorConfig& sensor) {
-  if (!parent.has("filter")) return;
-  const Mapping yaml = parent.inside("filter");
-  check_intensity(yaml, sensor);
-  read_box(yaml, "box", sensor.filter.box);
-  read_box(yaml, "cut_out", sensor.filter.cut_out);
-  const bool gives_scan = sensor.model->kind == FrameKind::scan || parent.has("scan_ring");
-  if (gives_scan) check_height(yaml, sensor.filter);
-  check_voxels(yaml, sensor);
-  load_outliers(yaml, sensor.filter);
+bool applies(const Key& key, const F& filter) {
+  const bool is_of_outliers = key.name == "outlier_radius" || key.name == "outlier_neighbours";
+  return (key.name != "voxel_size" || filter.voxel_size > 0) &&
+         (!is_of_outliers || filter.outlier_radius > 0);
+}
+
+void check_filter(const Mapping& yaml, const FilteredFrames& frames, F& filter) {
+  check_intensity(yaml, frames);
+  read_box(yaml, "box", filter.box);
+  read_box(yaml, "cut_out", filter.cut_out);
+  if (frames.have_scan) check_height(yaml, filter);
+  check_voxels(yaml, frames.model, filter);
+  load_outliers(yaml, filter);
 }
 
 }  // namespace lidard

@@ -1,89 +1,42 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-// `merged_scans:` of a configuration.
+#include "daemon/config/merged_scans.h"
+
 #include <algorithm>
 #include <set>
+#include <utility>
 
 #include "daemon/config/reading.h"
-#include "daemon/config/sections.h"
+#include "daemon/config/rows.h"
+#include "daemon/config/sensors.h"
+#include "daemon/config/vehicle.h"
 
 namespace lidard {
 namespace {
 
-using namespace keys;
 using Merged = MergedScanConfig;
 
-const Words<EchoChoice> echo_choices{{"first", EchoChoice::first},
-                                     {"last", EchoChoice::last},
-                                     {"strongest", EchoChoice::strongest},
-                                     {"all", EchoChoice::all}};
+constexpr double least_required_m = 0.1;
 
-Keys<Merged> source_and_topic_rows() {
-  return {special<Merged>(
-              "laserscan_topics", "names of sensors that give scans, or of virtual scans",
-              [](const Merged& merged) { return key_value(merged.laserscan_topics); },
-              "the sources, by name or by the topic that they publish")
-              .needed(),
-          frame("destination_frame", &Merged::destination_frame, "the scan's origin")
-              .by_default("vehicle.base_frame"),
-          of_kind(KeyKind::pose, "destination_pose", &Merged::destination_pose,
-                  "of destination_frame in vehicle.base_frame")
-              .unless_set("from tf"),
-          topic("scan_destination_topic", &Merged::scan_destination_topic, "the scan")
-              .by_default("the entry's name"),
-          topic("cloud_destination_topic", &Merged::cloud_destination_topic,
-                "the returns of all sources as one cloud; empty: none")
-              .or_empty(),
-          topic("status_topic", &Merged::status_topic,
-                "a LaserScan of how far each beam is observed; as intensity 0 unobserved, 1 free, 2 hit, "
-                "3 a surface seen from behind, 4 a way with a gap; empty: none")
-              .or_empty()};
+KeyValue settings_of(const Merged& merged) {
+  KeyMap map;
+  for (const auto& [name, one] : merged.source_settings)
+    map.emplace_back(name, shown_values(source_keys(), one));
+  return map;
+}
+KeyValue free_required_of(const Merged& merged) {
+  return merged.free_required > 0 ? merged.free_required : merged.output.grid.range_max;
+}
+KeyValue trigger_of(const Merged& merged) {
+  return name_of_trigger(merged.schedule, merged.laserscan_topics);
 }
 
-KeyOf<Merged> source_settings_row() {
-  const auto get = [](const Merged& merged) {
-    KeyMap map;
-    for (const auto& [name, one] : merged.source_settings)
-      map.emplace_back(name, shown_values(source_keys(), one));
-    return map;
-  };
-  return special<Merged>("source_settings", "{SOURCE: {range_max: 8, …}}", get,
-                         "windows and properties of single sources, by their name");
-}
-
-KeyOf<Merged> free_required_row() {
-  auto key = number("free_required", &Merged::free_required, 0.1, farthest_m, "m",
-                    "what must be observed for a beam to be free")
-                 .by_default("range_max");
-  key.most = [](const Merged& merged) { return merged.output.grid.range_max; };
-  key.get = [](const Merged& merged) {
-    return key_value(merged.free_required > 0 ? merged.free_required : merged.output.grid.range_max);
-  };
-  return key;
-}
-
-KeyOf<Merged> free_requires_row() {
-  return special<Merged>(
-      "free_requires", "names of its sources",
-      [](const Merged& merged) { return key_value(merged.free_requires); },
-      "sources of which one must see all of a beam for it to be free, e.g. the lowest scanners; empty: any "
-      "source");
-}
-
-Keys<Merged> fusion_rows() {
-  return {word("echoes", &Merged::echoes, echo_choices, "which echo of a beam counts"),
-          flag("veil_filter", &Merged::veil_filter,
-               "leaves out mixed pixels: returns between two surfaces where no surface is"),
-          number("range_noise", &Merged::range_noise, 0.0005, 1, "m", "one standard deviation of the ranges"),
-          free_required_row(), free_requires_row()};
-}
-
-std::string expected_sources(const Config& config) {
-  std::string expected = "names of sensors that give scans: " + names_of(config, FrameKind::scan);
+std::string expected_sources(const Reading& reading) {
+  std::string expected = "names of sensors that give scans: " + names_of(reading.sensors, FrameKind::scan);
   const char* separator = "; or virtual scans: ";
-  for (const std::string& topic : virtual_topics(config)) {
-    expected += separator + topic;
-    separator = ", ";
+  for (const Candidate& one : reading.candidates) {
+    if (one.source.kind == Source::Kind::virtual_scan)
+      expected += std::exchange(separator, ", ") + one.called;
   }
   return expected;
 }
@@ -94,7 +47,7 @@ void read_one_source(const Value& entry, SourceSettings& settings) {
   read_keys(yaml, source_keys(), settings, mistakes);
   mistakes.throw_if_any();
   if (settings.range_min >= settings.range_max)
-    yaml.where(yaml.has("range_max") ? "range_max" : "range_min")
+    yaml.where_first({"range_max", "range_min"})
         .fail("leaves nothing between range_min and range_max", "range_min < range_max");
   check_sector(yaml, sector_between(settings.angle_min, settings.angle_max));
 }
@@ -112,18 +65,17 @@ SourceSettings common_settings(const Merged& merged) {
 void read_source_settings(const Mapping& yaml, const SourceList& list, Merged& merged) {
   const SourceSettings common = common_settings(merged);
   const auto& sources = merged.laserscan_topics;
-  for (std::size_t i = 0; i < sources.size() && merged.has_visibility(); ++i) {
-    const SensorConfig* sensor = list.named[i].sensor;
-    if (sensor == nullptr || sensor->model == nullptr || sensor->model->dark_range <= 0) continue;
-    merged.source_settings.emplace(sources[i], common).first->second.no_return_free_range =
-        sensor->model->free_range();
+  for (const Source& source : list.sources) {
+    if (source.free_range > 0 && merged.has_visibility())
+      merged.source_settings.emplace(source.name, common).first->second.no_return_free_range =
+          source.free_range;
   }
   const auto section = yaml.find("source_settings");
   if (!section) return;
   std::vector<std::string_view> names(sources.begin(), sources.end());
   names.insert(names.end(), list.written.begin(), list.written.end());
   Mistakes mistakes;
-  const Mapping entries(*section, names, &mistakes);
+  const Mapping entries = known_mapping(*section, names, mistakes);
   std::set<std::string> set_up;
   for (const auto& [name, entry] : entries.entries()) {
     const auto place = static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
@@ -137,20 +89,19 @@ void read_source_settings(const Mapping& yaml, const SourceList& list, Merged& m
   mistakes.throw_if_any();
 }
 
+void read_free_required(const Mapping& yaml, Merged& merged) {
+  if (const auto value = yaml.find("free_required"))
+    merged.free_required = value->number(least_required_m, merged.output.grid.range_max, "m");
+}
+
 /// Reads `free_requires:`; the other sources prove nothing free.
 void read_free_requires(const Mapping& yaml, const SourceList& list, Merged& merged) {
   const auto value = yaml.find("free_requires");
   if (!value) return;
   std::string expected = "sources of it:";
   for (const std::string& source : list.names) expected += " " + source;
-  for (const Value& one : value->names(expected)) {
-    const std::string name = one.text();
-    const auto count = static_cast<std::ptrdiff_t>(list.names.size());
-    auto at = std::find(list.names.begin(), list.names.end(), name) - list.names.begin();
-    if (at == count) at = std::find(list.written.begin(), list.written.end(), name) - list.written.begin();
-    if (at == count) one.fail("is " + one.quoted() + ", which is no source of it", expected);
-    merged.free_requires.push_back(list.names[static_cast<std::size_t>(at)]);
-  }
+  for (const Value& one : value->names(expected))
+    merged.free_requires.push_back(list.names[list.index_of(one, expected)]);
   if (merged.free_requires.empty()) return;
   for (const std::string& source : list.names) {
     const auto& required = merged.free_requires;
@@ -174,9 +125,8 @@ void claim_topics(const Mapping& yaml, const Merged& merged, Reading& reading) {
 /// Points alone prove nothing, so they are no evidence for what is free or hidden.
 void refuse_flat_sources(const SourceList& sources, const Merged& merged) {
   if (!merged.has_visibility()) return;
-  for (std::size_t i = 0; i < sources.named.size(); ++i) {
-    const VirtualScanConfig* group = sources.named[i].virtual_group;
-    if (group != nullptr && group->output.profile == Profile::flatten)
+  for (std::size_t i = 0; i < sources.sources.size(); ++i) {
+    if (sources.sources[i].proves_nothing)
       sources.values[i].fail(
           "names " + sources.values[i].quoted() + ", a virtual scan of profile flatten, which proves nothing",
           "a virtual scan of profile strict or safety, or profile: flatten here");
@@ -184,7 +134,7 @@ void refuse_flat_sources(const SourceList& sources, const Merged& merged) {
 }
 
 void warn_without_footprint(const Mapping& yaml, const Merged& merged, Reading& reading) {
-  if (!merged.has_visibility() || !reading.config.vehicle.footprint.empty()) return;
+  if (!merged.has_visibility() || !reading.vehicle.footprint.empty()) return;
   reading.warn(yaml.where("profile").place(),
                yaml.self().path() +
                    " is to say what is observed, but vehicle.footprint is not set: where the vehicle hides "
@@ -192,27 +142,38 @@ void warn_without_footprint(const Mapping& yaml, const Merged& merged, Reading& 
                    merged.destination_frame + " outward, every beam stays unobserved");
 }
 
+/// What the keys of an entry have to fulfil together, and what follows from them.
+void check_merged_scan(const Mapping& yaml, const SourceList& sources, Merged& merged, Reading& reading) {
+  Mistakes mistakes;
+  mistakes.attempt(
+      [&] { check_destination(yaml, merged.destination_frame, merged.destination_pose, reading); });
+  mistakes.attempt([&] { claim_topics(yaml, merged, reading); });
+  mistakes.attempt([&] { check_output(yaml, merged.output, reading); });
+  mistakes.attempt([&] { refuse_flat_sources(sources, merged); });
+  mistakes.attempt([&] { check_schedule(yaml, sources, merged.schedule); });
+  mistakes.throw_if_any();
+  warn_without_footprint(yaml, merged, reading);
+}
+
 Merged read_merged(const std::string& name, const Value& entry, Reading& reading) {
   Mistakes mistakes;
-  Mapping yaml = mapping_of(entry, merged_keys(), mistakes);
+  const Mapping yaml = mapping_of(entry, merged_keys(), mistakes);
   Merged merged;
   merged.name = name;
-  merged.destination_frame = reading.config.vehicle.base_frame;
+  merged.destination_frame = reading.vehicle.base_frame;
   merged.scan_destination_topic = name;
-  const auto gives_scans = [](const Value&, const Config&) { return FrameKind::scan; };
+  const auto gives_scans = [](const Value&, const Reading&) { return FrameKind::scan; };
   SourceList sources;
   const bool has_sources = mistakes.attempt([&] {
-    sources = read_sources(yaml, "laserscan_topics", expected_sources(reading.config), gives_scans, reading);
+    sources = read_sources(yaml, "laserscan_topics", expected_sources(reading), gives_scans, reading);
   });
   merged.laserscan_topics = sources.names;
-  std::vector<SourceLimits> limits;
-  for (const NamedSource& source : sources.named)
-    limits.push_back(source.sensor != nullptr ? SourceLimits(*source.sensor)
-                                              : source.virtual_group->output.grid);
-  default_ranges(limits, merged.output.grid);
+  default_ranges(sources.sources, merged.output.grid);
   read_keys(yaml, merged_keys(), merged, mistakes);
+  // The limit is not known while a key is wrong.
+  if (!mistakes.any()) mistakes.attempt([&] { read_free_required(yaml, merged); });
   mistakes.attempt([&] {
-    if (merged.destination_frame == reading.config.vehicle.odometry_frame)
+    if (merged.destination_frame == reading.vehicle.odometry_frame)
       yaml.where("destination_frame")
           .fail("is vehicle.odometry_frame", "a frame that moves with the vehicle");
   });
@@ -221,14 +182,7 @@ Merged read_merged(const std::string& name, const Value& entry, Reading& reading
   if (has_sources) mistakes.attempt([&] { read_free_requires(yaml, sources, merged); });
   // The rules between keys need all of them.
   mistakes.throw_if_any();
-  mistakes.attempt(
-      [&] { check_destination(yaml, merged.destination_frame, merged.destination_pose, reading); });
-  mistakes.attempt([&] { claim_topics(yaml, merged, reading); });
-  mistakes.attempt([&] { check_output(yaml, merged.output, reading); });
-  mistakes.attempt([&] { refuse_flat_sources(sources, merged); });
-  mistakes.attempt([&] { check_policy(yaml, sources, merged.schedule); });
-  mistakes.throw_if_any();
-  warn_without_footprint(yaml, merged, reading);
+  check_merged_scan(yaml, sources, merged, reading);
   return merged;
 }
 
@@ -237,34 +191,67 @@ Merged read_merged(const std::string& name, const Value& entry, Reading& reading
 bool MergedScanConfig::has_visibility() const { return knows_free_space(output, also); }
 
 const Keys<SourceSettings>& source_keys() {
+  using namespace keys;
   using S = SourceSettings;
   static const Keys<S> rows{
-      number("range_min", &S::range_min, 0, farthest_m, "m", "nearer returns are left out"),
-      number("range_max", &S::range_max, 0, farthest_m, "m", "farther returns are left out"),
-      angle("angle_min", &S::angle_min, -most_turn_rad, most_turn_rad,
-            "begin of the sector that counts, in the sensor's frame"),
-      angle("angle_max", &S::angle_max, -most_turn_rad, most_turn_rad,
-            "its end, counter-clockwise from there"),
-      number("no_return_free_range", &S::no_return_free_range, 0, farthest_m, "m",
-             "how far a beam without return proves that nothing is there")
-          .by_default(
-              "the range of a target of 10 % remission where it is known, else range_max of the source's "
-              "scan")};
+      {"range_min", &S::range_min, number(0, farthest_m, "m"), "nearer returns are left out"},
+      {"range_max", &S::range_max, number(0, farthest_m, "m"), "farther returns are left out"},
+      {"angle_min", &S::angle_min, angle(-most_turn_rad, most_turn_rad),
+       "begin of the sector that counts, in the sensor's frame"},
+      {"angle_max", &S::angle_max, angle(-most_turn_rad, most_turn_rad),
+       "its end, counter-clockwise from there"},
+      {"no_return_free_range", &S::no_return_free_range, number(0, farthest_m, "m"),
+       "how far a beam without return proves that nothing is there",
+       preset("the range of a target of 10 % remission where it is known, else range_max of the source's "
+              "scan")}};
   return rows;
 }
 
 const Keys<Merged>& merged_keys() {
-  static const Keys<Merged> all = joined<Merged>({source_and_topic_rows(),
-                                                  schedule_rows(&Merged::laserscan_topics),
-                                                  {source_settings_row()},
-                                                  within(&Merged::output, output_keys()),
-                                                  fusion_rows(),
-                                                  {also_row<Merged>()}});
-  return all;
+  using namespace keys;
+  static const Keys<Merged> rows{
+      Keys<Merged>{
+          {"laserscan_topics", &Merged::laserscan_topics,
+           special("names of sensors that give scans, or of virtual scans"),
+           "the sources, by name or by the topic that they publish", needed},
+          {"destination_frame", &Merged::destination_frame, frame, "the scan's origin",
+           preset("vehicle.base_frame")},
+          {"destination_pose", &Merged::destination_pose, pose, "of destination_frame in vehicle.base_frame",
+           remark("from tf")},
+          {"scan_destination_topic", &Merged::scan_destination_topic, topic, "the scan",
+           preset("the entry's name")},
+          {"cloud_destination_topic", &Merged::cloud_destination_topic, topic,
+           "the returns of all sources as one cloud; empty: none", or_none},
+          {"status_topic", &Merged::status_topic, topic,
+           "a LaserScan of how far each beam is observed; as intensity 0 unobserved, 1 free, 2 hit, 3 a "
+           "surface seen from behind, 4 a way with a gap; empty: none",
+           or_none}},
+      schedule_keys(trigger_of),
+      Keys<Merged>{{"source_settings", settings_of, special("{SOURCE: {range_max: 8, …}}"),
+                    "windows and properties of single sources, by their name"}},
+      within(&Merged::output, output_keys()),
+      Keys<Merged>{
+          {"echoes", &Merged::echoes,
+           word({{"first", EchoChoice::first},
+                 {"last", EchoChoice::last},
+                 {"strongest", EchoChoice::strongest},
+                 {"all", EchoChoice::all}}),
+           "which echo of a beam counts"},
+          {"veil_filter", &Merged::veil_filter, flag,
+           "leaves out mixed pixels: returns between two surfaces where no surface is"},
+          {"range_noise", &Merged::range_noise, number(0.0005, 1, "m"),
+           "one standard deviation of the ranges"},
+          {"free_required", free_required_of, number(least_required_m, farthest_m, "m"),
+           "what must be observed for a beam to be free", preset("range_max")},
+          {"free_requires", &Merged::free_requires, special("names of its sources"),
+           "sources of which one must see all of a beam for it to be free, e.g. the lowest scanners; empty: "
+           "any source"},
+          also_key<Merged>()}};
+  return rows;
 }
 
-void read_merged_scans(Mapping& root, Reading& reading) {
-  read_entries(root.find("merged_scans"), reading.config.merged_scans, reading, read_merged);
+void read_merged_scans(const Mapping& root, std::vector<Merged>& merged_scans, Reading& reading) {
+  read_entries(root.find("merged_scans"), merged_scans, reading, read_merged);
 }
 
 }  // namespace lidard

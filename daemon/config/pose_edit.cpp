@@ -9,8 +9,8 @@
 
 #include "core/base/angle.h"
 #include "core/base/number_text.h"
-#include "daemon/config/config_error.h"
-#include "daemon/config/reading.h"
+#include "daemon/config/values.h"
+#include "drivers/config_error.h"
 
 namespace lidard {
 namespace {

@@ -3,14 +3,20 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
-#include "daemon/config/config.h"
-#include "daemon/config/yaml_reader.h"
+#include "daemon/config/values.h"
+#include "drivers/model.h"
 
 namespace lidard {
+
+struct VehicleConfig;
+struct SensorConfig;
+struct MergedCloudConfig;
+struct VirtualScanConfig;
 
 /// What must be unique among all parts of a configuration, gathered while they are read.
 class ConfigClaims {
@@ -23,8 +29,8 @@ class ConfigClaims {
   /// Notes the pose of `child` in `parent`; throws at `value` if it has another one already.
   void holds_frame(const std::string& child, const std::string& parent, const Pose& pose,
                    const std::string& owner, const Value& value);
-  /// Notes what `owner` takes a sensor for; throws if a source with `topic:` was taken for the other kind.
-  void uses(const SensorConfig& sensor, FrameKind kind, const std::string& owner, const Value& value);
+  /// Notes what `owner` takes a sensor with `topic:` for; throws if another one took it for the other kind.
+  void uses(const std::string& sensor, FrameKind kind, const std::string& owner, const Value& value);
   bool is_used(const std::string& sensor) const { return uses_.count(sensor) != 0; }
 
  private:
@@ -42,13 +48,44 @@ class ConfigClaims {
   std::map<std::string, Use> uses_;
 };
 
-/// A configuration while it is read.
+/// A source of a merged or virtual scan: a sensor, a merged cloud, or a virtual scan.
+struct Source {
+  enum class Kind : std::uint8_t { sensor, topic, merged_cloud, virtual_scan };
+  Kind kind = Kind::sensor;             ///< topic: a sensor with `topic:`, which may give scans or clouds
+  std::string name;                     ///< of the sensor, or the topic of the other as it is published
+  double range_min = 0, range_max = 0;  ///< m, between which it measures
+  double free_range = 0;                ///< m that a beam without return proves free; 0: not known
+  bool proves_nothing = false;          ///< points alone: a virtual scan of profile flatten
+  std::vector<std::string> merged{};    ///< sensors of a merged cloud
+
+  bool is_sensor() const { return kind == Kind::sensor || kind == Kind::topic; }
+  friend bool operator==(const Source& a, const Source& b) { return a.kind == b.kind && a.name == b.name; }
+};
+
+/// A name in laserscan_topics, sources or cloud_topic that stands for a source.
+struct Candidate {
+  std::string called;
+  std::optional<FrameKind> gives;  ///< frames under that name; empty: scans or clouds, as is wanted
+  Source source;
+  std::string what;       ///< "the topic of sensors.front", for messages
+  std::string but_gives;  ///< what is wrong with it where other frames are wanted
+};
+
+/// A configuration while it is read: the parts so far, in their order, and what concerns all of them.
 struct Reading {
-  Config config;
-  ConfigClaims claims;
-  std::set<std::string> invalid_names;  ///< without leading slash
-  bool is_complete = true;              ///< false if the file has unknown sections
+  const std::string& file;
+  std::vector<std::string>& warnings;
+  VehicleConfig& vehicle;
+  std::vector<SensorConfig>& sensors;
+  std::vector<MergedCloudConfig>& merged_clouds;
+  std::vector<VirtualScanConfig>& virtual_scans;
+
+  ConfigClaims claims{};
+  std::vector<Candidate> candidates{};
+  std::set<std::string> invalid_names{};  ///< without leading slash
+  bool is_complete = true;                ///< false if the file has unknown sections
   bool is_vehicle_valid = true;
+  bool has_sensors = false;  ///< valid ones
 
   /// Keeps a remark that is no error.
   void warn(const Place& place, const std::string& what);
@@ -58,37 +95,40 @@ struct Reading {
   bool may_be_invalid(const std::string& name) const;
 };
 
-/// A pose from {xyz: m, rpy: rad or rpy_deg}.
-Pose read_pose(const Value& value);
-/// A frame's name without leading slash (tf2 has none).
-std::string read_frame(const Value& value);
-/// A ROS topic name.
-std::string read_topic(const Value& value);
-/// `name` itself if it can be part of a topic name; throws at the key otherwise.
-void check_entry_name(const std::string& name, const Value& value);
-/// A topic or frame as it is compared with others.
-std::string without_slash(const std::string& name);
-/// Roll, pitch, yaw (fixed axes, rad) that make_pose() turns into the rotation of `pose`.
-Eigen::Vector3d rpy_of(const Pose& pose);
+/// Reads the entries of a section, if there is one. Of those in which something is wrong the names are kept.
+template <class Entry>
+void read_entries(const std::optional<Value>& section, std::vector<Entry>& entries, Reading& reading,
+                  Entry (*read_one)(const std::string& name, const Value& entry, Reading& reading)) {
+  if (!section) return;
+  Mistakes mistakes;
+  for (const auto& [name, value] : section->entries(&mistakes)) {
+    const bool is_valid = mistakes.attempt([&, &name = name, &value = value] {
+      check_entry_name(name, value);
+      entries.push_back(read_one(name, value, reading));
+    });
+    if (!is_valid) reading.add_invalid_names(name, value);
+  }
+  mistakes.throw_if_any();
+}
 
-/// What a name in laserscan_topics, sources or cloud_topic stands for: a sensor, a virtual scan or a merged
-/// cloud. One of them is set.
-struct NamedSource {
-  const SensorConfig* sensor = nullptr;
-  const VirtualScanConfig* virtual_group = nullptr;
-  std::string name;  ///< of the sensor, or the topic of the other as it is published
-  const MergedCloudConfig* merged_cloud = nullptr;
+/// What `value` names of the sources so far: something that gives frames of this kind. A leading slash is of
+/// no importance. Throws if that is nothing, several things, or something that gives frames of another kind;
+/// `expected` says what may be named.
+Source read_source(const Value& value, FrameKind kind, const Reading& reading, const std::string& expected);
+
+/// The sources of a merged scan or cloud.
+struct SourceList {
+  std::string_view key;  ///< that they stand in
+  std::vector<std::string> names;
+  std::vector<std::string> written;  ///< as they are called there
+  std::vector<Source> sources;
+  std::vector<Value> values;
+
+  /// Index of the source that `value` names: as it is named in the list, or by its own name.
+  std::size_t index_of(const Value& value, const std::string& expected) const;
 };
-
-/// The sensors that give frames of this kind, for messages.
-std::string names_of(const Config& config, FrameKind kind);
-/// What `value` names: a sensor by its name, by the topic it listens to or by the topic it publishes frames
-/// of this kind on; or, where scans are wanted, a virtual scan by its topic; or, where clouds are, a merged
-/// cloud by its name or its topic. A leading slash is of no importance. Throws if that is nothing, several
-/// things, or something that gives frames of another kind; `expected` says what may be named.
-NamedSource read_source(const Value& value, FrameKind kind, const Reading& reading,
-                        const std::string& expected);
-/// The topics of virtual scans that carry scans of one frame each.
-std::vector<std::string> virtual_topics(const Config& config);
+/// Reads the sources that `key` names, each once; `kind_of` says which frames are wanted of one.
+SourceList read_sources(const Mapping& yaml, std::string_view key, const std::string& expected,
+                        FrameKind (*kind_of)(const Value&, const Reading&), Reading& reading);
 
 }  // namespace lidard

@@ -1,14 +1,15 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-// Remarks about a valid configuration: what is possible, and hardly meant.
+#include "daemon/config/remarks.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "core/base/angle.h"
-#include "daemon/config/sections.h"
 #include "drivers/calibration.h"
+#include "drivers/document.h"
 #include "drivers/net/host_network.h"
 
 namespace lidard {
@@ -23,13 +24,14 @@ struct Remarks {
   std::vector<std::pair<Value, std::string>> all{};
 
   void add(const Value& key, const std::string& sentence) { all.emplace_back(key, sentence); }
-  /// In the order of the file.
-  void warn(Reading& reading) {
+  /// Adds them in the order of the file.
+  void add_to(std::vector<std::string>& warnings) {
     const auto line = [](const auto& one) {
       return std::pair(one.first.key_place().line, one.first.key_place().column);
     };
     std::stable_sort(all.begin(), all.end(), [&](const auto& a, const auto& b) { return line(a) < line(b); });
-    for (const auto& [key, sentence] : all) reading.warn(key.key_place(), key.path() + " " + sentence);
+    for (const auto& [key, sentence] : all)
+      warnings.push_back(key.key_place().to_string() + ": " + key.path() + " " + sentence);
   }
 
   Value entry(const char* section, const std::string& name) const {
@@ -250,8 +252,8 @@ bool looks_like_rad(double angle) {
 
 void question_units(Remarks& remarks, const std::string& name, const Value& value) {
   std::vector<double> numbers;
-  for (const auto& one : value.node()) numbers.push_back(one.IsScalar() ? one.as<double>(0.0) : 0.0);
-  if (value.node().IsScalar()) numbers.push_back(value.node().as<double>(0.0));
+  for (const Value& one : value.is_list() ? value.items({}) : std::vector<Value>{value})
+    numbers.push_back(one.as_number().value_or(0));
   const auto is_small = [](double angle) { return std::abs(angle) < two_pi + 0.01; };
   const std::size_t unit = name.rfind("_deg");
   if (unit != std::string::npos && std::all_of(numbers.begin(), numbers.end(), is_small) &&
@@ -266,9 +268,9 @@ void question_units(Remarks& remarks, const std::string& name, const Value& valu
 
 void question_units(Remarks& remarks, const Value& section, int depth = 0) {
   constexpr int deepest = 5;
-  if (!section.node().IsMap() || depth > deepest) return;
-  for (const auto& [name, value] : named_entries(section)) {
-    if (!value.node().IsMap()) question_units(remarks, name, value);
+  if (!section.is_map() || depth > deepest) return;
+  for (const auto& [name, value] : section.entries()) {
+    if (!value.is_map()) question_units(remarks, name, value);
     question_units(remarks, value, depth + 1);
   }
 }
@@ -346,21 +348,21 @@ void question_calibrations(Remarks& remarks) {
         remarks.add(value_at(entry, "model"), "has no calibration: " + warning);
       continue;
     }
-    const std::string warning = calibration_warning(*sensor.driver.calibration, *sensor.model);
+    const std::string warning = calibration_warning(*own_calibration(sensor.driver), *sensor.model);
     if (!warning.empty()) remarks.add(value_at(entry, "calibration"), warning);
   }
 }
 
 }  // namespace
 
-void add_remarks(const Value& root, Reading& reading) {
-  Remarks remarks{reading.config, root};
+void add_remarks(const Value& root, Config& config) {
+  Remarks remarks{config, root};
   for (const auto question : {question_footprint, question_places, question_twins, question_tilt,
                               question_heights, question_windows, question_rates, question_calibrations})
     question(remarks);
-  question_network(remarks, reading.config.host_remarks);
+  question_network(remarks, config.host_remarks);
   question_units(remarks, root);
-  remarks.warn(reading);
+  remarks.add_to(config.warnings);
 }
 
 }  // namespace lidard

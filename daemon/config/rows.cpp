@@ -2,22 +2,30 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/config/rows.h"
 
+#include <yaml-cpp/yaml.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include "core/base/angle.h"
 #include "core/base/number_text.h"
-#include "daemon/config/reading.h"
+#include "daemon/config/values.h"
 
 namespace lidard {
 namespace {
 
 /// "a, b or c".
-std::string list_of(const std::vector<std::string_view>& words) {
+std::string list_of(const std::vector<Word>& words) {
   std::string list;
   for (std::size_t i = 0; i < words.size(); ++i)
-    list.append(i == 0 ? "" : i + 1 == words.size() ? " or " : ", ").append(words[i]);
+    list.append(i == 0 ? "" : i + 1 == words.size() ? " or " : ", ").append(words[i].text);
   return list;
+}
+
+/// Description of the key's valid values, for messages.
+std::string expected_of(const Key& key) {
+  if (!key.form.empty()) return std::string(key.form);
+  return key.kind == KeyKind::word ? list_of(key.words) : "a text";
 }
 
 /// Normalizes YAML's words for true and false, .inf and .nan.
@@ -25,7 +33,8 @@ std::string read_word(const Value& value, const Key& key) {
   const std::string expected = expected_of(key);
   std::string text = value.text(expected);
   const auto is_known = [&](std::string_view word) {
-    return std::find(key.words.begin(), key.words.end(), word) != key.words.end();
+    return std::any_of(key.words.begin(), key.words.end(),
+                       [&](const Word& known) { return known.text == word; });
   };
   if (is_known(text)) return text;
   if (text.front() == '.' && is_known(text.substr(1))) return text.substr(1);
@@ -41,7 +50,7 @@ KeyValue read_plain(const Value& value, const Key& key) {
       return static_cast<double>(value.integer(std::lround(key.lowest), std::lround(key.highest)));
     case KeyKind::number:
     case KeyKind::angle:
-      return value.number(key.lowest, key.highest, std::string(key.unit).c_str());
+      return value.number(key.lowest, key.highest, key.unit);
     case KeyKind::word:
       return read_word(value, key);
     case KeyKind::pose:
@@ -71,10 +80,13 @@ KeyMap tree_of(const Pose& pose) {
 
 }  // namespace
 
-std::string expected_of(const Key& key) {
-  if (!key.form.empty()) return std::string(key.form);
-  if (key.kind == KeyKind::word) return list_of(key.words);
-  return "a text";
+Mapping mapping_of(const Value& value, const std::vector<Key>& keys, Mistakes& mistakes) {
+  std::vector<std::string> names;
+  for (const Key& key : keys) {
+    names.emplace_back(key.name);
+    if (key.kind == KeyKind::angle) names.push_back(names.back() + "_deg");
+  }
+  return known_mapping(value, {names.begin(), names.end()}, mistakes);
 }
 
 KeyValue read_value(const Value& value, const Key& key) {
@@ -88,13 +100,36 @@ KeyValue read_value(const Value& value, const Key& key) {
   return read;
 }
 
-std::optional<KeyValue> read_value(const Mapping& yaml, const Key& key) {
+void read_row(const Mapping& yaml, const Key& key, void* owner) {
+  const auto value =
+      key.required && key.can_be_set() ? yaml.require(key.name, expected_of(key)) : yaml.find(key.name);
   if (key.kind == KeyKind::angle) {
     const auto angle = yaml.angle(std::string(key.name));
-    return angle ? std::optional<KeyValue>(*angle) : std::nullopt;
+    if (angle && key.can_be_set()) key.set(owner, *angle);
+  } else if (key.kind == KeyKind::section && value) {
+    const bool is_brief = key.style == SectionStyle::brief && value->is_text();
+    if (is_brief) return key.inner.front().set(owner, read_value(*value, key.inner.front()));
+    Mistakes mistakes;
+    const Mapping section = mapping_of(*value, key.inner, mistakes);
+    for (const Key& one : key.inner) mistakes.attempt([&] { read_row(section, one, owner); });
+    mistakes.throw_if_any();
+  } else if (key.can_be_set() && value) {
+    key.set(owner, read_value(*value, key));
   }
-  const auto value = key.required ? yaml.require(key.name, expected_of(key)) : yaml.find(key.name);
-  return value ? std::optional<KeyValue>(read_value(*value, key)) : std::nullopt;
+}
+
+KeyValue as_shown(KeyValue value, const Key& key) {
+  const auto* const text = std::get_if<std::string>(&value);
+  const auto* const number = std::get_if<double>(&value);
+  if ((text != nullptr && text->empty() && !key.may_be_empty) ||
+      (number != nullptr && !std::isfinite(*number)))
+    return {};
+  auto* const section = key.kind == KeyKind::section ? std::get_if<KeyMap>(&value) : nullptr;
+  if (section == nullptr) return value;
+  section->erase(
+      std::remove_if(section->begin(), section->end(), [](const auto& one) { return !one.second.is_set(); }),
+      section->end());
+  return section->empty() ? KeyValue() : value;
 }
 
 void write_tree(YAML::Emitter& yaml, const KeyValue& value) {
@@ -109,13 +144,22 @@ void write_tree(YAML::Emitter& yaml, const KeyValue& value) {
   if (const auto* pose = std::get_if<Pose>(&value)) write_tree(yaml << YAML::Flow, tree_of(*pose));
   if (const auto* map = std::get_if<KeyMap>(&value)) {
     yaml << YAML::BeginMap;
-    for (const auto& [name, one] : *map) write_value(yaml, name, one);
+    for (const auto& [name, one] : *map) {
+      if (one.is_set()) write_tree(yaml << YAML::Key << name << YAML::Value, one);
+    }
     yaml << YAML::EndMap;
   }
 }
 
-void write_value(YAML::Emitter& yaml, std::string_view name, const KeyValue& value) {
-  if (value.is_set()) write_tree(yaml << YAML::Key << std::string(name) << YAML::Value, value);
+void write_row(YAML::Emitter& yaml, const Key& key, const KeyValue& value) {
+  const std::string name(key.name);
+  if (!value.is_set() && !key.remark.empty()) {
+    yaml << YAML::Newline << YAML::Comment(name + ": " + std::string(key.remark));
+  } else if (const KeyValue& shown = value.is_set() ? value : key.otherwise; shown.is_set()) {
+    yaml << YAML::Key << name << YAML::Value;
+    if (key.style == SectionStyle::one_line) yaml << YAML::Flow;
+    write_tree(yaml, shown);
+  }
 }
 
 bool operator==(const KeyValue& a, const KeyValue& b) {
@@ -127,10 +171,6 @@ bool operator==(const KeyValue& a, const KeyValue& b) {
       return one == other;
   };
   return a.index() == b.index() && std::visit(same, a);
-}
-
-void write_remark(YAML::Emitter& yaml, const Key& key) {
-  yaml << YAML::Newline << YAML::Comment(std::string(key.name) + ": " + std::string(key.remark));
 }
 
 }  // namespace lidard

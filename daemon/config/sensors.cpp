@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-// `sensors:` of a configuration: checks of combined keys, and derived values.
+#include "daemon/config/sensors.h"
+
 #include <unistd.h>
 
 #include <algorithm>
@@ -9,47 +10,17 @@
 #include <cstring>
 #include <utility>
 
-#include "core/base/angle.h"
-#include "daemon/config/calibration_file.h"
-#include "daemon/config/sections.h"
+#include "daemon/config/filter.h"
+#include "daemon/config/reading.h"
+#include "daemon/config/rows.h"
+#include "daemon/config/vehicle.h"
+#include "daemon/config/yaml.h"
+#include "drivers/calibration_file.h"
 #include "drivers/registry/nearest_models.h"
 #include "drivers/registry/registry.h"
 
 namespace lidard {
 namespace {
-
-bool holds(const SensorGroup& group, const std::string& key) {
-  std::vector<std::string> names;
-  add_names(group.keys, names);
-  return std::find(names.begin(), names.end(), key) != names.end();
-}
-
-/// Why a key is rejected for this kind of sensor, and the remedy.
-Rejection refusal(const std::string& key, const SensorConfig& sensor) {
-  if (sensor.model == nullptr)
-    return {"does not apply to a source with topic:", "topic, frame_id, pose and time_offset only"};
-  std::string models, instead;
-  for (const SensorGroup& group : sensor_groups()) {
-    if (!holds(group, key)) continue;
-    if (group.network && group.takes(*sensor.model))
-      return {"is given beside packet_topic", "one of them: the network and its sensor are another node's"};
-    models.append(models.empty() ? "" : ", ").append(group.models);
-    instead = group.instead;
-  }
-  return {"is not available for " + std::string(sensor.model->name) + ", only for " + models, instead};
-}
-
-void check_keys(const Mapping& yaml, const SensorConfig& sensor, Mistakes& mistakes) {
-  const auto& groups = sensor_groups();
-  for (const auto& [key, value] : yaml.entries()) {
-    const bool is_taken = std::any_of(
-        groups.begin(), groups.end(),
-        [&, &name = key](const SensorGroup& group) { return takes(sensor, group) && holds(group, name); });
-    if (is_taken) continue;
-    const Rejection why = refusal(key, sensor);
-    mistakes.attempt([&, &value = value] { value.fail_at_key(why.what, why.expected); });
-  }
-}
 
 const Model* read_model(const Value& value) {
   const std::string name = value.text("a name from `lidard models`");
@@ -72,7 +43,7 @@ void set_defaults(SensorConfig& sensor) {
   if (!cloud || model.has(Trait::revolutions)) sensor.scan_topic = sensor.name + "/scan";
 }
 
-void read_kind(Mapping& yaml, SensorConfig& sensor) {
+void read_kind(const Mapping& yaml, SensorConfig& sensor) {
   const auto model = yaml.find("model");
   if (model && yaml.has("topic"))
     yaml.where("topic").fail_at_key("is given beside model",
@@ -84,7 +55,7 @@ void read_kind(Mapping& yaml, SensorConfig& sensor) {
   set_defaults(sensor);
 }
 
-void check_network(Mapping& yaml, SensorConfig& sensor) {
+void check_network(const Mapping& yaml, SensorConfig& sensor) {
   if (!sensor.packet_topic.empty()) {
     sensor.ip_port = sensor.telemetry_port = 0;
     return;
@@ -98,14 +69,14 @@ void check_network(Mapping& yaml, SensorConfig& sensor) {
     yaml.self().fail_at_key("has no ip_address",
                             "the device's address: it is read over TCP, so somebody has to connect to it");
   if (sensor.model->has(Trait::gnss) && sensor.telemetry_port == sensor.ip_port)
-    yaml.where(yaml.has("telemetry_port") ? "telemetry_port" : "ip_port")
+    yaml.where_first({"telemetry_port", "ip_port"})
         .fail("is both ip_port and telemetry_port", "two ports, or telemetry_port: 0");
   if (!sensor.interface.empty() && !yaml.has("multicast_group"))
     yaml.where("interface")
         .fail_at_key("is given without multicast_group", "both: the interface is where the group is joined");
 }
 
-void check_requests(Mapping& yaml, SensorConfig& sensor) {
+void check_requests(const Mapping& yaml, SensorConfig& sensor) {
   DeviceRequests& requests = sensor.driver.requests;
   if (requests.host_address) requests.host_port = sensor.ip_port;
   if (requests.host_address && !yaml.has("ip_address"))
@@ -117,48 +88,15 @@ void check_requests(Mapping& yaml, SensorConfig& sensor) {
   if (requests.listen_only && requests.allow_write)
     yaml.where("listen_only").fail_at_key("contradicts allow_write", "one of them");
   if (sensor.model->has(Trait::logins) && yaml.has("user_level") != yaml.has("user_level_password"))
-    yaml.where(yaml.has("user_level") ? "user_level" : "user_level_password")
+    yaml.where_first({"user_level", "user_level_password"})
         .fail_at_key("is given alone", "both user_level and user_level_password, or none");
 }
 
-/// Rejects wanted settings without permission to write them.
-void check_permissions(const Mapping& yaml, const VelodyneControl& control) {
-  const bool wanted = control.wanted.any();
-  for (const auto& [key, value] : yaml.entries()) {
-    const bool of_access = key == "read" || key == "allow_write" || key == "port";
-    if (!control.allow_write && !of_access && wanted)
-      value.fail_at_key("asks to change the sensor, but control.allow_write is not true",
-                        "allow_write: true beside it, or no such key");
-  }
-  if (wanted && !control.read)
-    yaml.where("read").fail("is false, so nobody could tell whether a setting differs",
-                            "true, or no wanted settings");
-}
-
-void check_control(Mapping& parent, SensorConfig& sensor, Reading& reading) {
-  VelodyneControl& control = sensor.control;
-  control.data_port = sensor.ip_port;
+void check_control_of(const Mapping& parent, SensorConfig& sensor, Reading& reading) {
+  sensor.control.data_port = sensor.ip_port;
   if (!parent.has("control")) return;
-  Mapping yaml = parent.inside("control");
-  if (!yaml.has("read")) control.read = control.wanted.any();
-  const std::optional<int>& start = control.wanted.fov_start_deg;
-  const std::optional<int>& end = control.wanted.fov_end_deg;
-  if (start.has_value() != end.has_value())
-    yaml.where(start ? "fov_start_deg" : "fov_end_deg")
-        .fail_at_key("is given alone", "both fov_start_deg and fov_end_deg, or none");
-  if (start && start == end)
-    yaml.where("fov_end_deg").fail("is fov_start_deg too", "0 and 360 for all, in whole degrees");
-  if (control.wanted.host_port && *control.wanted.host_port != sensor.ip_port) {
-    const Value& port = yaml.where("host_port");
-    reading.warn(port.place(), port.path() + " makes the sensor send to a port that is not its ip_port, " +
-                                   std::to_string(sensor.ip_port) + ": its data will not arrive here");
-  }
-  check_permissions(yaml, control);
-  if (control.read && !parent.has("ip_address"))
-    yaml.self().fail_at_key("needs the sensor's address", "ip_address: of the sensor");
-  if (!control.read) return;
-  control.address = *sensor.ip_address;
-  sensor.driver.control = std::make_shared<VelodyneControl>(control);
+  check_control(parent.inside("control"), sensor.ip_address, sensor.control, reading.warnings);
+  if (sensor.control.read) sensor.driver.control = std::make_shared<VelodyneControl>(sensor.control);
 }
 
 void check_frames(const Mapping& yaml, DriverConfig& driver) {
@@ -184,7 +122,7 @@ std::optional<std::uint16_t> read_ring(const std::optional<Value>& value, const 
 
 /// Reads the ring that is published as a planar scan. Call it after the calibration, which may determine the
 /// level ring.
-void read_ring_scan(Mapping& yaml, SensorConfig& sensor) {
+void read_ring_scan(const Mapping& yaml, SensorConfig& sensor) {
   const auto asked = yaml.find("scan_ring");
   const auto ring = read_ring(asked, sensor);
   const auto resolution = yaml.angle("scan_resolution");
@@ -202,8 +140,8 @@ void read_ring_scan(Mapping& yaml, SensorConfig& sensor) {
   sensor.driver.keep_too_near = true;
 }
 
-void check_cloud(Mapping& yaml, SensorConfig& sensor, const Reading& reading) {
-  if (sensor.deskew && !reading.config.vehicle.has_motion() && reading.is_vehicle_valid)
+void check_cloud(const Mapping& yaml, SensorConfig& sensor, const Reading& reading) {
+  if (sensor.deskew && !reading.vehicle.has_motion() && reading.is_vehicle_valid)
     yaml.where("deskew").fail_at_key("needs to know how the vehicle moves",
                                      "vehicle.odometry_frame, vehicle.odometry_topic or vehicle.imu_topic");
   if (!sensor.model->has(Trait::revolutions)) return;
@@ -222,7 +160,7 @@ void claim_topics(const Mapping& yaml, const SensorConfig& sensor, Reading& read
 
 /// Claims the pose of the sensor's frame; frames in messages of other drivers are not known.
 void claim_pose(const Mapping& yaml, SensorConfig& sensor, Reading& reading) {
-  const std::string& base = reading.config.vehicle.base_frame;
+  const std::string& base = reading.vehicle.base_frame;
   if (sensor.pose)
     reading.claims.holds_frame(sensor.frame_id, base, *sensor.pose, yaml.self().path(), yaml.where("pose"));
   else if (sensor.model != nullptr && sensor.frame_id == base)
@@ -248,57 +186,39 @@ void check_distinct(const Mapping& yaml, const SensorConfig& sensor,
   }
 }
 
-CalibrationModel read_calibration_model(const Value& value) {
-  const std::string expected =
-      "ros_drivers (the equations of velodyne_pointcloud), exact (the manual's) or veloview (the viewer's)";
-  const auto equations = calibration_model_of(value.text(expected));
-  if (equations) return *equations;
-  value.fail("is " + value.quoted(), expected);
-}
-
 std::string in_folder_of(const std::string& config_file, const std::string& path) {
   const auto slash = config_file.rfind('/');
   return path.front() == '/' || slash == std::string::npos ? path : config_file.substr(0, slash + 1) + path;
 }
 
-/// `calibration_model:` without a file: the equations for the model's table.
-void apply_to_table(const Value& value, SensorConfig& sensor) {
-  const CalibrationModel equations = read_calibration_model(value);
-  if (equations == CalibrationModel::exact) return;
-  if (equations == CalibrationModel::veloview)
-    value.fail_at_key("is veloview without calibration", "it with a calibration file");
-  if (needs_own_calibration(*sensor.model))
-    value.fail_at_key("is given without calibration", "both: each HDL-64E is calibrated on its own");
-  sensor.driver.calibration = std::make_shared<Calibration>(table_calibration(*sensor.model));
-}
-
-/// Reads `calibration:` and `calibration_model:` of a sensor and the file itself.
-void read_calibration(Mapping& yaml, SensorConfig& sensor, Reading& reading) {
-  const auto file = yaml.find("calibration");
-  const auto model = yaml.find("calibration_model");
-  if (!file) {
-    if (model) apply_to_table(*model, sensor);
-    return;
+/// Reads the calibration that the keys name.
+void read_calibration(const Mapping& yaml, SensorConfig& sensor, Reading& reading) {
+  std::optional<CalibrationFile> read;
+  if (const auto file = yaml.find("calibration")) {
+    const std::string expected = "a calibration file, relative to the configuration's folder";
+    sensor.calibration = file->text(expected);
+    const std::string path = in_folder_of(reading.file, sensor.calibration);
+    if (::access(path.c_str(), R_OK) != 0)
+      file->fail("is " + file->quoted() + ", which cannot be read: " + std::strerror(errno), expected);
+    read = {path, read_file(path, calibration_files)};
+    sensor.calibration_digest = std::hash<std::string>()(read->text);
   }
-  const std::string expected = "a calibration file, relative to the configuration's folder";
-  sensor.calibration = file->text(expected);
-  const std::string path = in_folder_of(reading.config.file, sensor.calibration);
-  if (::access(path.c_str(), R_OK) != 0)
-    file->fail("is " + file->quoted() + ", which cannot be read: " + std::strerror(errno), expected);
-  auto calibration = std::make_shared<Calibration>(load_calibration(path, reading.config.warnings));
-  sensor.calibration_digest = std::hash<std::string>()(read_file(path, expected));
-  calibration->model = model ? read_calibration_model(*model) : usual_equations(*calibration, *sensor.model);
-  const std::string rejection = calibration_rejection(*calibration, *sensor.model);
-  if (!rejection.empty()) file->fail(rejection, "the calibration of this sensor");
-  sensor.driver.calibration = std::move(calibration);
+  sensor.driver.calibration = check_calibration(yaml, *sensor.model, read, parse_yaml, reading.warnings);
 }
 
-void check_device(Mapping& yaml, SensorConfig& sensor, Reading& reading, Mistakes& mistakes) {
+void check_filter_of(const Mapping& parent, SensorConfig& sensor) {
+  if (!parent.has("filter")) return;
+  const bool has_scan = sensor.model->kind == FrameKind::scan || parent.has("scan_ring");
+  check_filter(parent.inside("filter"), {*sensor.model, has_scan, sensor.driver.publish_intensity},
+               sensor.filter);
+}
+
+void check_device(const Mapping& yaml, SensorConfig& sensor, Reading& reading, Mistakes& mistakes) {
   mistakes.attempt([&] { check_network(yaml, sensor); });
   mistakes.attempt([&] { check_sector(yaml, sensor.driver.sector()); });
-  mistakes.attempt([&] { check_filter(yaml, sensor); });
+  mistakes.attempt([&] { check_filter_of(yaml, sensor); });
   if (sensor.model->has(Trait::web_control) && sensor.packet_topic.empty())
-    mistakes.attempt([&] { check_control(yaml, sensor, reading); });
+    mistakes.attempt([&] { check_control_of(yaml, sensor, reading); });
   if (sensor.model->has(Trait::calibration))
     mistakes.attempt([&] { read_calibration(yaml, sensor, reading); });
   mistakes.attempt([&] { check_requests(yaml, sensor); });
@@ -306,27 +226,82 @@ void check_device(Mapping& yaml, SensorConfig& sensor, Reading& reading, Mistake
   if (!mistakes.any()) mistakes.attempt([&] { check_cloud(yaml, sensor, reading); });
 }
 
-SensorConfig read_sensor(const std::string& name, const Value& entry, Reading& reading) {
-  std::vector<std::string> names;
-  for (const SensorGroup& group : sensor_groups()) add_names(group.keys, names);
+/// What the keys of an entry have to fulfil together, and what follows from them.
+void check_sensor(const Mapping& yaml, SensorConfig& sensor, Reading& reading) {
   Mistakes mistakes;
-  Mapping yaml(entry, {names.begin(), names.end()}, &mistakes);
-  SensorConfig sensor;
-  sensor.name = sensor.frame_id = name;
-  const bool is_known = mistakes.attempt([&] { read_kind(yaml, sensor); });
-  for (const SensorGroup& group : sensor_groups()) {
-    if (!is_known || takes(sensor, group)) read_keys(yaml, group.keys, sensor, mistakes);
-  }
-  if (is_known) check_keys(yaml, sensor, mistakes);
-  // The rules between keys need all of them.
-  mistakes.throw_if_any();
   sensor.driver.frame_id = sensor.frame_id;
   mistakes.attempt([&] { claim_pose(yaml, sensor, reading); });
   if (sensor.model != nullptr) check_device(yaml, sensor, reading, mistakes);
   mistakes.attempt([&] { claim_topics(yaml, sensor, reading); });
-  mistakes.attempt([&] { check_distinct(yaml, sensor, reading.config.sensors); });
+  mistakes.attempt([&] { check_distinct(yaml, sensor, reading.sensors); });
   mistakes.throw_if_any();
+}
+
+/// Rejects keys that the sensor does not accept.
+void check_keys(const Mapping& yaml, const SensorConfig& sensor, Mistakes& mistakes) {
+  for (const Key& key : sensor_keys()) {
+    for (const std::string& name : {std::string(key.name), std::string(key.name) + "_deg"}) {
+      const auto value = yaml.find(name);
+      if (!value || accepts(sensor, key)) continue;
+      const Rejection why = refusal(sensor, key);
+      mistakes.attempt([&] { value->fail_at_key(why.what, why.expected); });
+    }
+  }
+}
+
+/// Adds the name of the sensor, and the topics that it listens to or publishes frames on.
+void add_candidates(const SensorConfig& sensor, std::vector<Candidate>& candidates) {
+  const Source source = source_of(sensor);
+  const std::string path = "sensors." + sensor.name;
+  const bool gives_both = sensor.model == nullptr || sensor.ring_scan;
+  const auto of_name = gives_both ? std::nullopt : std::optional<FrameKind>(sensor.model->kind);
+  std::string nature;
+  if (sensor.model != nullptr)
+    nature = std::string(sensor.model->name) + ", which gives " +
+             (sensor.model->kind == FrameKind::cloud ? "clouds" : "scans");
+  candidates.push_back({sensor.name, of_name, source, path, "a " + nature});
+  const auto add_topic = [&](const std::string& topic, std::optional<FrameKind> kind) {
+    candidates.push_back({topic, kind, source, "the topic of " + path, "of a " + nature});
+  };
+  if (sensor.model == nullptr) add_topic(sensor.topic, {});
+  for (const OutputTopic& topic : sensor_topics(sensor)) {
+    const bool is_cloud = topic.kind == TopicKind::cloud;
+    if (topic.promised && (is_cloud || topic.kind == TopicKind::scan))
+      add_topic(topic.name, is_cloud ? FrameKind::cloud : FrameKind::scan);
+  }
+}
+
+SensorConfig read_sensor(const std::string& name, const Value& entry, Reading& reading) {
+  Mistakes mistakes;
+  const Mapping yaml = mapping_of(entry, sensor_keys(), mistakes);
+  SensorConfig sensor;
+  sensor.name = sensor.frame_id = name;
+  const bool is_known = mistakes.attempt([&] { read_kind(yaml, sensor); });
+  for (const Key& key : sensor_keys()) {
+    if (!is_known || accepts(sensor, key)) mistakes.attempt([&] { read_row(yaml, key, &sensor); });
+  }
+  if (is_known) check_keys(yaml, sensor, mistakes);
+  // The rules between keys need all of them.
+  mistakes.throw_if_any();
+  check_sensor(yaml, sensor, reading);
+  add_candidates(sensor, reading.candidates);
+  reading.has_sensors = true;
   return sensor;
+}
+
+/// Topics of the device's messages beside its frames.
+void add_device_topics(const SensorConfig& sensor, std::vector<OutputTopic>& topics) {
+  const std::string below = sensor.name + "/";
+  const bool states = !sensor.model->has(Trait::states_on_request) || sensor.driver.requests.device_states;
+  for (const MessageTopic& message : sensor.model->messages) {
+    if (message.kind == message_kind<DeviceState>() && !states) continue;
+    if (message.name == output_paths_topic && !sensor.output_paths_topic.empty()) continue;
+    topics.push_back(
+        {below + std::string(message.name), TopicKind::message, false, message.kind, 0, message.name});
+  }
+  if (!states) return;
+  for (const auto name : sensor.model->extra_scans)
+    topics.push_back({below + std::string(name), TopicKind::scan, false, 0, 0, name});
 }
 
 }  // namespace
@@ -338,13 +313,71 @@ void set_ring_limits(SensorConfig& sensor) {
   sensor.ring_scan->range_max = driver.max_range > 0 ? driver.max_range : sensor.model->range_max;
 }
 
-void read_sensors(Mapping& root, Reading& reading) {
+Source source_of(const SensorConfig& sensor) {
+  const ScanGridSpec usual;
+  if (sensor.model == nullptr) return {Source::Kind::topic, sensor.name, usual.range_min, usual.range_max};
+  const Model& model = *sensor.model;
+  const double proven = model.dark_range > 0 ? model.free_range() : 0;
+  return {Source::Kind::sensor, sensor.name, model.range_min, model.range_max, proven};
+}
+
+const SensorConfig* find_sensor(const std::vector<SensorConfig>& sensors, const std::string& name) {
+  const auto found =
+      std::find_if(sensors.begin(), sensors.end(), [&](const auto& one) { return one.name == name; });
+  return found == sensors.end() ? nullptr : &*found;
+}
+
+std::string names_of(const std::vector<SensorConfig>& sensors, FrameKind kind) {
+  std::string list;
+  for (const SensorConfig& sensor : sensors) {
+    const bool gives_both = sensor.model == nullptr || sensor.ring_scan;
+    if (gives_both || sensor.model->kind == kind) list += (list.empty() ? "" : ", ") + sensor.name;
+  }
+  return list.empty() ? "none is configured" : list;
+}
+
+void read_sensors(const Mapping& root, Reading& reading) {
   const std::string expected = "sensors: with at least one entry, each with model: or topic:";
   // A section that is indented too far is an unknown key of `vehicle`.
   if (!root.has("sensors") && !reading.is_vehicle_valid) return;
   const Value section = root.require("sensors", expected);
-  read_entries(section, reading.config.sensors, reading, read_sensor);
-  if (reading.config.sensors.empty()) section.fail("is empty", expected);
+  read_entries(section, reading.sensors, reading, read_sensor);
+  if (reading.sensors.empty()) section.fail("is empty", expected);
+}
+
+std::vector<Flow> flows_of(const SensorConfig& sensor) {
+  if (sensor.model == nullptr) return {};
+  std::vector<Flow> flows = flows_of(*sensor.model, sensor.ip_address.value_or(IpAddress()), sensor.ip_port,
+                                     sensor.telemetry_port, sensor.device_port());
+  const auto is_foreign = [&](const Flow& flow) {
+    // Another node receives the datagrams; a connection identifies a device only by address.
+    return flow.transport == Transport::udp ? !sensor.packet_topic.empty() : !sensor.ip_address;
+  };
+  flows.erase(std::remove_if(flows.begin(), flows.end(), is_foreign), flows.end());
+  return flows;
+}
+
+OutputTopic frame_topic(const SensorConfig& sensor) {
+  if (sensor.model != nullptr && sensor.model->kind == FrameKind::cloud)
+    return {sensor.points_topic.empty() ? sensor.name + "/points" : sensor.points_topic, TopicKind::cloud};
+  return {sensor.scan_topic.empty() ? sensor.name + "/scan" : sensor.scan_topic, TopicKind::scan};
+}
+
+std::vector<OutputTopic> sensor_topics(const SensorConfig& sensor) {
+  std::vector<OutputTopic> topics;
+  if (sensor.model == nullptr) return topics;
+  topics.push_back(frame_topic(sensor));
+  if (sensor.ring_scan) topics.push_back({sensor.scan_topic, TopicKind::scan});
+  if (sensor.model->has(Trait::echoes) && sensor.driver.publish_multiecho)
+    topics.push_back({sensor.name + "/echoes", TopicKind::echoes});
+  if (!sensor.raw_topic.empty())
+    topics.push_back({sensor.raw_topic, TopicKind::message, true, message_kind<RawPackets>()});
+  if (!sensor.extended_scan_topic.empty())
+    topics.push_back({sensor.extended_scan_topic, TopicKind::extended_scan});
+  if (!sensor.output_paths_topic.empty())
+    topics.push_back({sensor.output_paths_topic, TopicKind::output_paths, false, 0, 0, output_paths_topic});
+  add_device_topics(sensor, topics);
+  return topics;
 }
 
 }  // namespace lidard

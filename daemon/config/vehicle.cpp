@@ -1,18 +1,18 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-// `vehicle:` and `blackbox:` of a configuration.
 // Boost.Geometry includes a header that Boost itself calls deprecated.
 #define BOOST_ALLOW_DEPRECATED_HEADERS
+#include "daemon/config/vehicle.h"
+
 #include <boost/geometry.hpp>
 #include <boost/geometry/geometries/point_xy.hpp>
 #include <boost/geometry/geometries/polygon.hpp>
 
-#include "daemon/config/sections.h"
+#include "daemon/config/reading.h"
+#include "daemon/config/rows.h"
 
 namespace lidard {
 namespace {
-
-using namespace keys;
 
 constexpr double largest_vehicle_m = 1000;
 constexpr double smallest_area_m2 = 1e-4;
@@ -50,19 +50,16 @@ std::vector<Point> read_footprint(const Value& value) {
   return polygon;
 }
 
-KeyOf<VehicleConfig> footprint_row() {
-  const auto get = [](const VehicleConfig& vehicle) {
-    KeyList vertices;
-    for (const Point& vertex : vehicle.footprint) vertices.push_back(KeyList{vertex.x(), vertex.y()});
-    return vertices;
-  };
-  return special<VehicleConfig>(
-      "footprint", "[[x, y], …], m", get,
-      "polygon in base_frame; returns from inside are left out; published on the topic footprint");
+KeyValue footprint_of(const VehicleConfig& vehicle) {
+  KeyList vertices;
+  for (const Point& vertex : vehicle.footprint) vertices.push_back(KeyList{vertex.x(), vertex.y()});
+  return vertices;
 }
 
-/// Checks the source of the vehicle's motion.
-void check_motion(const Mapping& yaml, const VehicleConfig& vehicle) {
+/// Checks the source of the vehicle's motion, and claims what the section gives away.
+void check_vehicle(const Mapping& yaml, const VehicleConfig& vehicle, ConfigClaims& claims) {
+  // The outline is published: RosOutline.
+  if (!vehicle.footprint.empty()) claims.publishes("footprint", "vehicle.footprint", yaml.where("footprint"));
   const bool odometry = !vehicle.odometry_frame.empty();
   const bool topic = !vehicle.odometry_topic.empty();
   const bool imu = !vehicle.imu_topic.empty();
@@ -75,6 +72,9 @@ void check_motion(const Mapping& yaml, const VehicleConfig& vehicle) {
     yaml.where(imu ? "imu_topic" : "odometry_topic")
         .fail_at_key("is a second source of motion",
                      "one of odometry_frame, odometry_topic, or imu_topic with speed_topic");
+  if (odometry)
+    claims.holds_frame(vehicle.base_frame, vehicle.odometry_frame, Pose::Identity(), "vehicle.odometry_frame",
+                       yaml.where("odometry_frame"));
 }
 
 }  // namespace
@@ -89,64 +89,32 @@ double distance_to(const std::vector<Point>& footprint, const Point& point) {
 }
 
 const Keys<VehicleConfig>& vehicle_keys() {
+  using namespace keys;
   using V = VehicleConfig;
-  static const Keys<V> all{
-      frame("base_frame", &V::base_frame, "the frame of the vehicle"),
-      footprint_row(),
-      frame("odometry_frame", &V::odometry_frame,
-            "poses of base_frame in it come from tf; scans are deskewed by them; empty: none")
-          .or_empty(),
-      topic("odometry_topic", &V::odometry_topic, "or from a nav_msgs/Odometry; empty: none").or_empty(),
-      topic("imu_topic", &V::imu_topic,
-            "or from the turn rates of a sensor_msgs/Imu and a speed ahead; empty: none")
-          .or_empty(),
-      topic("speed_topic", &V::speed_topic, "that speed, a geometry_msgs/TwistStamped").or_empty()};
-  return all;
+  static const Keys<V> rows{
+      {"base_frame", &V::base_frame, frame, "the frame of the vehicle"},
+      {"footprint", footprint_of, special("[[x, y], …], m"),
+       "polygon in base_frame; returns from inside are left out; published on the topic footprint"},
+      {"odometry_frame", &V::odometry_frame, frame,
+       "poses of base_frame in it come from tf; scans are deskewed by them; empty: none", or_none},
+      {"odometry_topic", &V::odometry_topic, topic, "or from a nav_msgs/Odometry; empty: none", or_none},
+      {"imu_topic", &V::imu_topic, topic,
+       "or from the turn rates of a sensor_msgs/Imu and a speed ahead; empty: none", or_none},
+      {"speed_topic", &V::speed_topic, topic, "that speed, a geometry_msgs/TwistStamped", or_none}};
+  return rows;
 }
 
-void read_vehicle(Mapping& root, Reading& reading) {
+void read_vehicle(const Mapping& root, Reading& reading) {
   const auto section = root.find("vehicle");
   if (!section) return;
-  VehicleConfig& vehicle = reading.config.vehicle;
+  VehicleConfig& vehicle = reading.vehicle;
   Mistakes mistakes;
-  Mapping yaml = mapping_of(*section, vehicle_keys(), mistakes);
+  const Mapping yaml = mapping_of(*section, vehicle_keys(), mistakes);
   read_keys(yaml, vehicle_keys(), vehicle, mistakes);
   if (const auto footprint = yaml.find("footprint"))
     mistakes.attempt([&] { vehicle.footprint = read_footprint(*footprint); });
   mistakes.throw_if_any();
-  // The outline is published: RosOutline.
-  if (!vehicle.footprint.empty())
-    reading.claims.publishes("footprint", "vehicle.footprint", yaml.where("footprint"));
-  check_motion(yaml, vehicle);
-  if (!vehicle.odometry_frame.empty())
-    reading.claims.holds_frame(vehicle.base_frame, vehicle.odometry_frame, Pose::Identity(),
-                               "vehicle.odometry_frame", yaml.where("odometry_frame"));
-}
-
-const Keys<BlackBoxConfig>& black_box_keys() {
-  using namespace keys;
-  using B = BlackBoxConfig;
-  static const Keys<B> all{
-      number("seconds", &B::seconds, 0, 3600, "s",
-             "packets of all sensors so far back are kept in memory, and written when something goes wrong; "
-             "0: none"),
-      number("megabytes", &B::megabytes, 1, 100'000, "MB",
-             "memory for them at most; where that does not suffice, a shorter time is kept"),
-      text("path", &B::path, "a folder",
-           "where the captures are written; empty: $STATE_DIRECTORY, else /var/lib/lidard")
-          .or_empty(),
-      whole("files", &B::files, 1, 1000,
-            "captures kept there; a new one takes the place of the oldest, but the first of each kind of "
-            "error stays"),
-      whole(
-          "per_day", &B::per_day, 1, 1440,
-          "captures that errors may start within 24 hours, and one a minute at most; `lidard dump` is free")};
-  return all;
-}
-
-void read_black_box(Mapping& root, Reading& reading) {
-  if (const auto section = root.find("blackbox"))
-    read_mapping(*section, black_box_keys(), reading.config.black_box);
+  check_vehicle(yaml, vehicle, reading.claims);
 }
 
 }  // namespace lidard

@@ -1,69 +1,37 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-// `virtual_scans:` of a configuration.
+#include "daemon/config/virtual_scans.h"
+
 #include <algorithm>
 #include <utility>
 
+#include "daemon/config/merged_clouds.h"
 #include "daemon/config/reading.h"
-#include "daemon/config/sections.h"
+#include "daemon/config/rows.h"
+#include "daemon/config/sensors.h"
+#include "daemon/config/vehicle.h"
 
 namespace lidard {
 namespace {
 
-using namespace keys;
 using Virtual = VirtualScanConfig;
 
 // The first release of ira_laser_tools kept returns within 0.1 m of the plane; later ones 1 cm, then all.
 constexpr double virtual_half_height_m = 0.1;
 
-Keys<Virtual> frame_rows() {
-  return {special<Virtual>(
-              "cloud_topic", "a sensor that gives clouds, or a merged cloud",
-              [](const Virtual& scan) { return key_value(scan.cloud_topic); },
-              "the source, by name or by the topic that it publishes")
-              .needed(),
-          frame("base_frame", &Virtual::base_frame, "parent of the poses").by_default("vehicle.base_frame"),
-          special<Virtual>(
-              "virtual_laser_scan", "names of frames, each the origin of one virtual scan",
-              [](const Virtual& scan) { return key_value(scan.virtual_laser_scan); },
-              "the frames, each the origin of one scan")
-              .needed(),
-          special<Virtual>(
-              "poses", "{FRAME: {xyz: [x, y, z]}}",
-              [](const Virtual& scan) { return KeyMap(scan.poses.begin(), scan.poses.end()); },
-              "of the frames in base_frame; a frame without one comes from tf"),
-          topic("output_laser_topic", &Virtual::output_laser_topic,
-                "the topic of all scans; empty: one topic per frame, named like it")
-              .or_empty()};
-}
-
-Keys<GroundSettings> ground_rows() {
+Keys<GroundSettings> ground_keys() {
+  using namespace keys;
   using G = GroundSettings;
-  const Words<GroundModel> grounds{
-      {"none", GroundModel::none}, {"plane", GroundModel::plane}, {"slope", GroundModel::slope}};
-  return {word("model", &G::model, grounds, "what the ground is taken for").needed(),
-          number("z", &G::z, -farthest_m, farthest_m, "m", "its height in vehicle.base_frame"),
-          number("tolerance", &G::tolerance, 0.001, 10, "m", "what lies nearer to it belongs to it")};
+  return {{"model", &G::model,
+           word({{"none", GroundModel::none}, {"plane", GroundModel::plane}, {"slope", GroundModel::slope}}),
+           "what the ground is taken for", needed},
+          {"z", &G::z, number(-farthest_m, farthest_m, "m"), "its height in vehicle.base_frame"},
+          {"tolerance", &G::tolerance, number(0.001, 10, "m"), "what lies nearer to it belongs to it"}};
 }
 
-/// Keys that say how surfaces and free space are found.
-Keys<Virtual> evidence_rows() {
-  Keys<Virtual> rows{
-      word("mode", &Virtual::mode, {{"slice", CutMode::slice}, {"band", CutMode::band}},
-           "slice: what crosses the plane; band: all between min_height and max_height"),
-      section("ground", within(&Virtual::ground, ground_rows()), "what is no obstacle").in_short(),
-      word("echoes", &Virtual::early_returns, {{"last", false}, {"all", true}},
-           "which returns count; the surface is made of the last ones"),
-      number("no_return_free_range", &Virtual::no_return_free_range, 0, farthest_m, "m",
-             "how far a beam without return proves that nothing is there")
-          .by_default(
-              "of a Velodyne the range of a target of 10 % remission where it is known, else range_max; of "
-              "others 0; the least of a merged cloud's lidars")};
-  for (auto& row : rows) row.shown = [](const Virtual& scan) { return scan.has_visibility(); };
-  return rows;
-}
+KeyValue poses_of(const Virtual& scan) { return KeyMap(scan.poses.begin(), scan.poses.end()); }
 
-void read_frames(Mapping& yaml, Virtual& scan) {
+void read_frames(const Mapping& yaml, Virtual& scan) {
   const std::string expected = "names of frames, each the origin of one virtual scan";
   const Value list = yaml.require("virtual_laser_scan", expected);
   for (const Value& value : list.names(expected)) {
@@ -76,14 +44,14 @@ void read_frames(Mapping& yaml, Virtual& scan) {
   if (scan.virtual_laser_scan.empty()) list.fail("names nothing", expected);
 }
 
-void read_poses(Mapping& yaml, Virtual& scan, Reading& reading) {
+void read_poses(const Mapping& yaml, Virtual& scan, Reading& reading) {
   const std::vector<std::string_view> frames(scan.virtual_laser_scan.begin(), scan.virtual_laser_scan.end());
   if (std::find(frames.begin(), frames.end(), scan.base_frame) != frames.end())
     scan.poses[scan.base_frame] = Pose::Identity();
   const auto section = yaml.find("poses");
   if (!section) return;
   Mistakes mistakes;
-  const Mapping poses(*section, frames, &mistakes);
+  const Mapping poses = known_mapping(*section, frames, mistakes);
   for (const auto& [frame, value] : poses.entries()) {
     mistakes.attempt([&, &frame = frame, &value = value] {
       const Pose pose = read_pose(value);
@@ -94,7 +62,7 @@ void read_poses(Mapping& yaml, Virtual& scan, Reading& reading) {
   mistakes.throw_if_any();
 }
 
-void claim_topics(Mapping& yaml, const Virtual& scan, Reading& reading) {
+void claim_topics(const Mapping& yaml, const Virtual& scan, Reading& reading) {
   const std::string& owner = yaml.self().path();
   if (scan.output_laser_topic.empty()) {
     for (const Value& frame : yaml.where("virtual_laser_scan").names("names of frames"))
@@ -116,10 +84,10 @@ void claim_topics(Mapping& yaml, const Virtual& scan, Reading& reading) {
   }
 }
 
-/// What proves nothing needs no key that says how.
-void refuse_without_visibility(const Mapping& yaml) {
-  for (const Key& key : evidence_rows()) {
-    if (yaml.has(key.name))
+/// Rejects keys that say how what is proven is found, where nothing is.
+void refuse_without_visibility(const Mapping& yaml, const Virtual& scan) {
+  for (const Key& key : virtual_keys()) {
+    if (yaml.has(key.name) && !applies(key, scan))
       yaml.where(key.name).fail("is of no use for a scan of profile flatten, which is points alone",
                                 "profile: strict or safety (or such a scan under also), or no such key");
   }
@@ -128,7 +96,7 @@ void refuse_without_visibility(const Mapping& yaml) {
 /// What follows for the sources of a scan that knows free space.
 void prepare_sources(const std::vector<std::string>& sources, Reading& reading) {
   // A beam that met something too near to measure is not free.
-  for (SensorConfig& sensor : reading.config.sensors) {
+  for (SensorConfig& sensor : reading.sensors) {
     if (std::find(sources.begin(), sources.end(), sensor.name) != sources.end())
       sensor.driver.keep_too_near = true;
   }
@@ -143,26 +111,27 @@ double default_free_range(const SensorConfig& sensor) {
 }
 
 /// The sensors behind cloud_topic.
-std::vector<std::string> read_cloud_source(Mapping& yaml, Virtual& scan, Reading& reading) {
-  std::string expected = "a sensor that gives clouds: " + names_of(reading.config, FrameKind::cloud);
+std::vector<std::string> read_cloud_source(const Mapping& yaml, Virtual& scan, Reading& reading) {
+  std::string expected = "a sensor that gives clouds: " + names_of(reading.sensors, FrameKind::cloud);
   const char* separator = "; or a merged cloud: ";
-  for (const MergedCloudConfig& merged : reading.config.merged_clouds)
+  for (const MergedCloudConfig& merged : reading.merged_clouds)
     expected += std::exchange(separator, ", ") + merged.name;
   const Value named = yaml.require("cloud_topic", expected);
-  const NamedSource source = read_source(named, FrameKind::cloud, reading, expected);
-  if (source.sensor != nullptr)
-    reading.claims.uses(*source.sensor, FrameKind::cloud, yaml.self().path(), named);
+  const Source source = read_source(named, FrameKind::cloud, reading, expected);
+  if (source.kind == Source::Kind::topic)
+    reading.claims.uses(source.name, FrameKind::cloud, yaml.self().path(), named);
   scan.cloud_topic = source.name;
-  return reading.config.lidars_of(scan);
+  return source.kind == Source::Kind::merged_cloud ? source.merged : std::vector<std::string>{source.name};
 }
 
 /// What holds for a scan of these sensors unless the file says otherwise.
-void set_defaults(const std::vector<std::string>& sources, const Config& config, Virtual& scan) {
-  std::vector<SourceLimits> limits;
+void set_defaults(const std::vector<std::string>& sources, const std::vector<SensorConfig>& sensors,
+                  Virtual& scan) {
+  std::vector<Source> limits;
   std::optional<double> free_range;
   for (const std::string& name : sources) {
-    const SensorConfig& sensor = *config.find_sensor(name);
-    limits.emplace_back(sensor);
+    const SensorConfig& sensor = *find_sensor(sensors, name);
+    limits.push_back(source_of(sensor));
     if (sensor.model != nullptr && sensor.model->kind == FrameKind::scan) continue;
     const double own = default_free_range(sensor);
     free_range = std::min(own, free_range.value_or(own));
@@ -171,26 +140,49 @@ void set_defaults(const std::vector<std::string>& sources, const Config& config,
   scan.no_return_free_range = free_range.value_or(0);
 }
 
+void check_virtual_scan(const Mapping& yaml, const std::vector<std::string>& sources, Virtual& scan,
+                        Reading& reading) {
+  Mistakes mistakes;
+  mistakes.attempt([&] { claim_topics(yaml, scan, reading); });
+  mistakes.attempt([&] { check_output(yaml, scan.output, reading); });
+  mistakes.attempt([&] { refuse_without_visibility(yaml, scan); });
+  mistakes.throw_if_any();
+  if (scan.has_visibility()) prepare_sources(sources, reading);
+}
+
+/// Adds the topics that carry the scans of one frame each.
+void add_candidates(const Virtual& group, std::vector<Candidate>& candidates) {
+  if (!group.output_laser_topic.empty() && group.virtual_laser_scan.size() > 1) return;
+  const ScanGridSpec& grid = group.output.grid;
+  for (const std::string& frame : group.virtual_laser_scan) {
+    const Source source{Source::Kind::virtual_scan,
+                        group.topic(frame),
+                        grid.range_min,
+                        grid.range_max,
+                        0,
+                        group.output.profile == Profile::flatten};
+    candidates.push_back({source.name, FrameKind::scan, source, "the topic of virtual_scans." + group.name,
+                          "a virtual scan, which gives no clouds"});
+  }
+}
+
 Virtual read_virtual(const std::string& name, const Value& entry, Reading& reading) {
   Mistakes mistakes;
   Mapping yaml = mapping_of(entry, virtual_keys(), mistakes);
   Virtual scan = default_virtual_scan();
   scan.name = name;
-  scan.base_frame = reading.config.vehicle.base_frame;
+  scan.base_frame = reading.vehicle.base_frame;
   std::vector<std::string> sources;
   mistakes.attempt([&] { sources = read_cloud_source(yaml, scan, reading); });
-  set_defaults(sources, reading.config, scan);
+  set_defaults(sources, reading.sensors, scan);
   const bool has_frames = mistakes.attempt([&] { read_frames(yaml, scan); });
   read_keys(yaml, virtual_keys(), scan, mistakes);
   mistakes.attempt([&] { read_also(yaml, scan.also); });
   if (has_frames) mistakes.attempt([&] { read_poses(yaml, scan, reading); });
   // The rules between keys need all of them.
   mistakes.throw_if_any();
-  mistakes.attempt([&] { claim_topics(yaml, scan, reading); });
-  mistakes.attempt([&] { check_output(yaml, scan.output, reading); });
-  if (!scan.has_visibility()) mistakes.attempt([&] { refuse_without_visibility(yaml); });
-  mistakes.throw_if_any();
-  if (scan.has_visibility()) prepare_sources(sources, reading);
+  check_virtual_scan(yaml, sources, scan, reading);
+  add_candidates(scan, reading.candidates);
   return scan;
 }
 
@@ -213,9 +205,32 @@ std::string VirtualScanConfig::topic(const std::string& frame, const AlsoScanCon
 }
 
 const Keys<Virtual>& virtual_keys() {
+  using namespace keys;
   static const Keys<Virtual> rows = [] {
-    Keys<Virtual> all = joined<Virtual>(
-        {frame_rows(), within(&Virtual::output, output_keys()), {also_row<Virtual>()}, evidence_rows()});
+    Keys<Virtual> all{
+        Keys<Virtual>{
+            {"cloud_topic", &Virtual::cloud_topic, special("a sensor that gives clouds, or a merged cloud"),
+             "the source, by name or by the topic that it publishes", needed},
+            {"base_frame", &Virtual::base_frame, frame, "parent of the poses", preset("vehicle.base_frame")},
+            {"virtual_laser_scan", &Virtual::virtual_laser_scan,
+             special("names of frames, each the origin of one virtual scan"),
+             "the frames, each the origin of one scan", needed},
+            {"poses", poses_of, special("{FRAME: {xyz: [x, y, z]}}"),
+             "of the frames in base_frame; a frame without one comes from tf"},
+            {"output_laser_topic", &Virtual::output_laser_topic, topic,
+             "the topic of all scans; empty: one topic per frame, named like it", or_none}},
+        within(&Virtual::output, output_keys()), Keys<Virtual>{also_key<Virtual>()},
+        Keys<Virtual>{
+            {"mode", &Virtual::mode, word({{"slice", CutMode::slice}, {"band", CutMode::band}}),
+             "slice: what crosses the plane; band: all between min_height and max_height"},
+            {"ground", &Virtual::ground, ground_keys(), "what is no obstacle", SectionStyle::brief},
+            {"echoes", &Virtual::early_returns, word({{"last", false}, {"all", true}}),
+             "which returns count; the surface is made of the last ones"},
+            {"no_return_free_range", &Virtual::no_return_free_range, number(0, farthest_m, "m"),
+             "how far a beam without return proves that nothing is there",
+             preset(
+                 "of a Velodyne the range of a target of 10 % remission where it is known, else range_max; "
+                 "of others 0; the least of a merged cloud's lidars")}}};
     // Requests at run time may change the profile of merged scans alone.
     for (Key& key : all) key.live = key.live && key.name != "profile";
     return all;
@@ -223,8 +238,14 @@ const Keys<Virtual>& virtual_keys() {
   return rows;
 }
 
-void read_virtual_scans(Mapping& root, Reading& reading) {
-  read_entries(root.find("virtual_scans"), reading.config.virtual_scans, reading, read_virtual);
+bool applies(const Key& key, const Virtual& scan) {
+  const bool is_of_evidence = key.name == "mode" || key.name == "ground" || key.name == "echoes" ||
+                              key.name == "no_return_free_range";
+  return scan.has_visibility() || !is_of_evidence;
+}
+
+void read_virtual_scans(const Mapping& root, Reading& reading) {
+  read_entries(root.find("virtual_scans"), reading.virtual_scans, reading, read_virtual);
 }
 
 }  // namespace lidard

@@ -8,8 +8,7 @@
 #include <set>
 
 #include "daemon/config/config.h"
-#include "daemon/config/key_tables.h"
-#include "daemon/config/reading.h"
+#include "daemon/config/values.h"
 #include "daemon/dropin/import_poses.h"
 #include "daemon/files/text_file.h"
 

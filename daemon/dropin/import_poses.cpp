@@ -6,8 +6,7 @@
 #include <map>
 
 #include "core/base/number_text.h"
-#include "daemon/config/key_tables.h"
-#include "daemon/config/reading.h"
+#include "daemon/config/values.h"
 
 namespace lidard {
 

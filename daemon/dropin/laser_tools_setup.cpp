@@ -6,8 +6,8 @@
 #include "core/base/angle.h"
 #include "core/base/number_text.h"
 #include "daemon/config/config.h"
-#include "daemon/config/key_tables.h"
 #include "daemon/dropin/moving.h"
+#include "daemon/ros/in/grid_limits.h"
 
 namespace lidard {
 namespace {
@@ -38,8 +38,8 @@ void add_grid(ParameterReader& reader, KeyMap& entry, Warnings& warnings) {
       warnings.push_back("parameter ~" + name + " is " + number_text(given) + "; the limit is " +
                          number_text(value));
     entry.emplace_back(name, value);
-    for (const auto& key : output_keys()) {
-      if (key.name == name) key.set(output, value);
+    for (const Key& key : output_keys()) {
+      if (key.name == name) key.set(&output, value);
     }
   }
   if (const auto made = make_grid(output.grid); !made)
@@ -47,8 +47,7 @@ void add_grid(ParameterReader& reader, KeyMap& entry, Warnings& warnings) {
 }
 
 /// Adds the grid and the keys of the configuration that are given as parameters.
-template <class Owner>
-void add_output(ParameterReader& reader, const Keys<Owner>& keys, KeyMap& entry, Warnings& warnings) {
+void add_output(ParameterReader& reader, const std::vector<Key>& keys, KeyMap& entry, Warnings& warnings) {
   add_grid(reader, entry, warnings);
   // The value that ira_laser_tools publishes for beams without a hit.
   entry.emplace_back("empty", reader.text("empty", "range_max_plus_one"));

@@ -12,7 +12,6 @@
 
 #include "core/base/nearest.h"
 #include "core/base/number_text.h"
-#include "daemon/config/key_tables.h"
 
 namespace lidard {
 namespace {
@@ -119,12 +118,10 @@ std::vector<MovedPackage> read_table() {
   return packages;
 }
 
-bool takes_key(const Model& model, std::string_view key) {
-  const auto& groups = sensor_groups();
-  return std::any_of(groups.begin(), groups.end(), [&](const SensorGroup& group) {
-    return (group.takes == nullptr || group.takes(model)) &&
-           std::any_of(group.keys.begin(), group.keys.end(),
-                       [&](const auto& one) { return one.name == key; });
+bool takes_key(const Model& model, std::string_view name) {
+  const auto& keys = sensor_keys();
+  return std::any_of(keys.begin(), keys.end(), [&](const Key& key) {
+    return key.name == name && (!key.trait || model.has(*key.trait));
   });
 }
 

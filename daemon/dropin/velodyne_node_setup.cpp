@@ -6,8 +6,7 @@
 
 #include "core/base/angle.h"
 #include "daemon/config/config.h"
-#include "daemon/config/key_tables.h"
-#include "daemon/config/reading.h"
+#include "daemon/config/values.h"
 #include "daemon/dropin/moving.h"
 #include "drivers/registry/registry.h"
 

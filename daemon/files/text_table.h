@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "daemon/config/yaml_reader.h"
+#include "drivers/document.h"
 
 namespace lidard {
 

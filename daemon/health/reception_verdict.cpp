@@ -6,8 +6,6 @@
 
 #include <algorithm>
 
-#include "daemon/health/report.h"
-
 namespace lidard {
 namespace {
 
@@ -127,6 +125,16 @@ std::string rivals_text(const Reception& r, std::uint16_t port) {
       "{0} and {1} both send to port {2}; one entry takes one sensor: set ip_address: {0} here, "
       "and give each other sensor an entry of its own",
       first.to_string(), second.to_string(), port);
+}
+
+std::string rejected_text(const Counters& counters) {
+  std::string reasons;
+  for (std::size_t i = 1; i < reject_reasons; ++i) {
+    if (counters.rejected[i] == 0) continue;
+    reasons += std::string(reasons.empty() ? " (" : ", ") + to_string(static_cast<Reject>(i)) + " " +
+               std::to_string(counters.rejected[i]);
+  }
+  return std::to_string(counters.rejected_total()) + (reasons.empty() ? "" : reasons + ")");
 }
 
 }  // namespace lidard

@@ -39,4 +39,7 @@ ReceptionVerdict judge(const Reception& reception, FrameKind kind);
 /// time, unlike a sensor with a changed address; less than 1 % of the packets, or 20, are packets astray.
 std::string rivals_text(const Reception& reception, std::uint16_t port);
 
+/// "3 (size 1, magic 2)", or "0".
+std::string rejected_text(const Counters& counters);
+
 }  // namespace lidard

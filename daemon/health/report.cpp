@@ -40,16 +40,6 @@ class Line {
 
 }  // namespace
 
-std::string rejected_text(const Counters& counters) {
-  std::string reasons;
-  for (std::size_t i = 1; i < reject_reasons; ++i) {
-    if (counters.rejected[i] == 0) continue;
-    reasons += std::string(reasons.empty() ? " (" : ", ") + to_string(static_cast<Reject>(i)) + " " +
-               std::to_string(counters.rejected[i]);
-  }
-  return std::to_string(counters.rejected_total()) + (reasons.empty() ? "" : reasons + ")");
-}
-
 void print_counters(const Counters& c, std::ostream& out) {
   out << "  packets " << c.packets << ", rejected " << rejected_text(c) << ", lost " << c.lost_packets
       << '\n';

@@ -23,8 +23,6 @@ bool all_came(const std::vector<OutputReport>& outputs);
 
 /// Prints one line with the counters of a sensor that are not zero (packets always).
 void print_counters(const Counters& counters, std::ostream& out);
-/// "rejected 3 (size 1, magic 2)", or "0".
-std::string rejected_text(const Counters& counters);
 /// "filter removed 12 of 3400 returns (intensity 10, outliers 2)".
 std::string filter_text(const FilterCounters& counters);
 /// Why one of the filters does not work as configured; empty: they do.

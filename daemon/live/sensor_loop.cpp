@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "daemon/health/report.h"
+#include "daemon/health/reception_verdict.h"
 #include "daemon/pipeline/log.h"
 
 namespace lidard {

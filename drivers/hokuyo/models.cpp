@@ -45,8 +45,8 @@ Model scanner(std::string_view name, const char* product, const ScipRow& row, Tr
 }  // namespace
 
 void append_scip_models(std::vector<Model>& list) {
-  const Traits one = {Trait::skip_request};
-  const Traits several = {Trait::skip_request, Trait::echoes};
+  const Traits one = {Trait::skip_request, Trait::clock_request};
+  const Traits several = {Trait::skip_request, Trait::clock_request, Trait::echoes};
   // Dark ranges: 10 % diffuse reflectance, hokuyo-aut.jp/search/single.php?serial=227, 167 and 233, as others
   // quote these pages; of the other sensors not known.
   list.push_back(scanner("hokuyo_ust_05lx", "UST-05LX", ust_05lx, one, 2));

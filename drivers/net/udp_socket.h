@@ -4,14 +4,41 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/base/expected.h"
+#include "drivers/driver.h"
 #include "drivers/file_descriptor.h"
-#include "drivers/net/udp_source.h"
 
 namespace lidard {
+
+/// A multicast group to listen to.
+struct MulticastGroup {
+  IpAddress group;
+  std::string interface;  ///< name or IPv4 address of the host's interface; empty: the kernel chooses
+
+  friend bool operator==(const MulticastGroup& a, const MulticastGroup& b) {
+    return a.group == b.group && a.interface == b.interface;
+  }
+};
+
+struct UdpOptions {
+  std::uint16_t port = 0;                         ///< local; 0 lets the kernel choose
+  IpAddress address = IpAddress::v4(0, 0, 0, 0);  ///< local; 0.0.0.0 survives changes of the interfaces
+  std::vector<IpAddress> senders;                 ///< IPv4; empty: any sender
+  std::vector<MulticastGroup> groups;
+  double packets_per_s = 1000;  ///< of all sensors on this port
+  /// Half a second, plus the time to start reading again.
+  Span tolerated_stall = std::chrono::milliseconds(600);
+  std::size_t receive_buffer =
+      0;  ///< bytes, as in SO_RCVBUF; 0: from rate and stall, but not below the system's default
+  std::size_t max_datagram =
+      2048;                 ///< bytes of payload; longer datagrams are counted as truncated and dropped
+  bool share_port = false;  ///< let other programs receive the same broadcasts and multicasts
+};
 
 /// The limits in force of a socket.
 struct UdpLimits {

@@ -23,7 +23,7 @@ class CloudBuilder {
       : config_(config),
         row_(row),
         counters_(counters),
-        unpacker_(row, config.keep_origins, config.min_range, config.max_range, config.calibration.get()),
+        unpacker_(row, config.keep_origins, config.min_range, config.max_range, own_calibration(config)),
         cutter_(config.cut_angle * deg_per_rad),
         most_sequences_(most_sequences(row)) {
     unpacker_.keep_too_near(config.keep_too_near);
@@ -31,7 +31,7 @@ class CloudBuilder {
     cloud_.rings = static_cast<std::uint16_t>(row.lasers);
     cloud_.bank_by_bank = row.bank_by_bank;
     cloud_.max_range = config.max_range;
-    find_directions(config.calibration ? *config.calibration : table_of(row));
+    find_directions(config.calibration ? *own_calibration(config) : table_of(row));
   }
 
   Unpacker& unpacker() { return unpacker_; }

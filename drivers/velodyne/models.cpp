@@ -240,7 +240,7 @@ constexpr std::array<std::pair<std::uint8_t, const char*>, 8> products = {{{0x21
 /// The upper one of two equally near rings, as velodyne_laserscan for a VLP-16.
 std::uint16_t level_ring(const DriverConfig& config) {
   const auto& row = *static_cast<const ModelRow*>(config.model->row);
-  const Calibration calibration = config.calibration != nullptr ? *config.calibration : table_of(row);
+  const Calibration calibration = config.calibration != nullptr ? *own_calibration(config) : table_of(row);
   const auto rings = rings_by_elevation(calibration);
   std::uint16_t best_ring = 0;
   double best = 1e9;

@@ -37,7 +37,7 @@ class VelodyneDriver final : public DriverBase {
         clock_(config.clock),
         telemetry_(config) {
     if (row_.bank_by_bank && config.calibration == nullptr) info_.warnings.emplace_back(no_calibration);
-    if (config.control) web_.emplace(*config.control);
+    if (config.control) web_.emplace(*web_control(config));
   }
 
   void change(const DriverConfig& wanted) override {
@@ -115,7 +115,7 @@ class VelodyneDriver final : public DriverBase {
     if (!web_) return std::nullopt;
     constexpr Span silent_after = std::chrono::seconds(1);
     const bool has_data = counters_.packets > 0 && now - incoming_.arrival < silent_after;
-    return web_status(web_->state(), {has_data, data_to_, config_.control->data_port});
+    return web_status(web_->state(), {has_data, data_to_, web_control(config_)->data_port});
   }
 
  private:

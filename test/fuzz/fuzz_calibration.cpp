@@ -13,7 +13,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace lidard;
   std::vector<std::string> warnings;
   try {
-    const auto calibration = parse_calibration(std::string(data, data + size), "text", warnings);
+    const auto calibration = parse_calibration(std::string(data, data + size), "text", parse_yaml, warnings);
     if (calibration.lasers.empty()) std::abort();
     for (const auto& laser : calibration.lasers) {
       if (!std::isfinite(laser.vert_correction) || !std::isfinite(laser.rot_correction)) std::abort();

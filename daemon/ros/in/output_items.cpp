@@ -8,8 +8,7 @@
 
 #include "core/base/angle.h"
 #include "core/base/number_text.h"
-#include "daemon/config/key_tables.h"
-#include "daemon/config/sections.h"
+#include "daemon/ros/in/grid_limits.h"
 
 namespace lidard {
 namespace {
@@ -21,30 +20,34 @@ void complete(SensorConfig& sensor) {
   set_ring_limits(sensor);
 }
 
+KeyValue get_output(const Key& key, const ChangeableOutput& output) { return key.get(&output.config); }
+void set_output(const Key& key, ChangeableOutput& output, const KeyValue& value) {
+  key.set(&output.config, value);
+}
+
 /// The increment in force, which may follow from the number of beams; setting it sets that number.
-void follow_increment(OutputItem& item) {
-  item.get = [](const ChangeableOutput& output) {
-    const auto grid = make_grid(output.config.grid);
-    return key_value(output.config.grid.angle_increment.value_or(grid ? grid->increment : 0));
-  };
-  item.set = [](ChangeableOutput& output, const KeyValue& value) {
-    output.config.grid.angle_increment = std::get<double>(value);
-    output.config.grid.beams.reset();
-  };
+KeyValue get_increment(const Key& /*key*/, const ChangeableOutput& output) {
+  const auto grid = make_grid(output.config.grid);
+  return key_value(output.config.grid.angle_increment.value_or(grid ? grid->increment : 0));
+}
+void set_increment(const Key& key, ChangeableOutput& output, const KeyValue& value) {
+  key.set(&output.config, value);
+  output.config.grid.beams.reset();
 }
 
 /// The items have the limits of their keys; those of ira_laser_tools' nodes have their own.
 std::vector<OutputItem> items_of(OutputId::Kind kind, ReconfigureNames names) {
   std::vector<OutputItem> items;
-  for (OutputItem item : within(&ChangeableOutput::config, output_keys())) {
-    const GridLimit* const limit = grid_limit(item.name);
+  for (const Key& key : output_keys()) {
+    const GridLimit* const limit = grid_limit(key.name);
     const bool wanted = names == ReconfigureNames::node
                             ? limit != nullptr
-                            : item.live && (item.name != "profile" || kind == OutputId::Kind::merged);
+                            : key.live && (key.name != "profile" || kind == OutputId::Kind::merged);
     if (!wanted) continue;
-    if (names == ReconfigureNames::node) item.lowest = limit->min, item.highest = limit->max;
-    if (item.name == "angle_increment") follow_increment(item);
-    items.push_back(std::move(item));
+    const bool is_increment = key.name == "angle_increment";
+    items.emplace_back(key, is_increment ? get_increment : get_output,
+                       is_increment ? set_increment : set_output);
+    if (names == ReconfigureNames::node) items.back().lowest = limit->min, items.back().highest = limit->max;
   }
   return items;
 }
@@ -101,28 +104,17 @@ struct {
                             {"view_direction", -pi_d, pi_d},
                             {"view_width", 0, two_pi}};
 
-/// A key of a sensor as an item.
-OutputItem item_of(const KeyOf<SensorConfig>& key) {
-  OutputItem item;
-  static_cast<Key&>(item) = key;
-  item.get = [get = key.get](const ChangeableOutput& output) { return get(*output.sensor); };
-  item.set = [set = key.set](ChangeableOutput& output, const KeyValue& value) { set(*output.sensor, value); };
-  return item;
+KeyValue get_sensor(const Key& key, const ChangeableOutput& output) { return key.get(&*output.sensor); }
+void set_sensor(const Key& key, ChangeableOutput& output, const KeyValue& value) {
+  key.set(&*output.sensor, value);
 }
 
-OutputItem organize_item() {
-  OutputItem item;
-  item.name = "organize_cloud";
-  item.kind = KeyKind::flag;
-  item.meaning = "a row of the cloud for each firing sequence";
-  item.highest = 1;
-  item.get = [](const ChangeableOutput& output) -> KeyValue {
-    return output.sensor->layout.order != CloudOrder::list;
-  };
-  item.set = [](ChangeableOutput& output, const KeyValue& value) {
-    output.sensor->layout.order = std::get<bool>(value) ? CloudOrder::firing_rows : CloudOrder::list;
-  };
-  return item;
+/// organize_cloud of velodyne_pointcloud, a flag.
+KeyValue get_organized(const Key& /*key*/, const ChangeableOutput& output) {
+  return output.sensor->layout.order != CloudOrder::list;
+}
+void set_organized(const Key& /*key*/, ChangeableOutput& output, const KeyValue& value) {
+  output.sensor->layout.order = std::get<bool>(value) ? CloudOrder::firing_rows : CloudOrder::list;
 }
 
 ChangeableOutput sensor_output(const SensorConfig& sensor) {
@@ -130,16 +122,15 @@ ChangeableOutput sensor_output(const SensorConfig& sensor) {
   output.id.entry = sensor.name;
   output.sensor = sensor;
   for (const auto& limit : sensor_limits) {
-    for (const SensorGroup& group : sensor_groups()) {
-      for (const auto& key : group.keys) {
-        if (key.name != limit.name || !takes(sensor, group)) continue;
-        OutputItem item = item_of(key);
-        item.lowest = limit.min, item.highest = limit.max;
-        output.items.push_back(std::move(item));
-      }
+    for (const Key& key : sensor_keys()) {
+      if (key.name != limit.name || !accepts(sensor, key)) continue;
+      OutputItem& item = output.items.emplace_back(key, get_sensor, set_sensor);
+      item.lowest = limit.min, item.highest = limit.max;
     }
   }
-  output.items.push_back(organize_item());
+  const Key organized({KeyKind::flag, 0, 1}, {}, "organize_cloud",
+                      "a row of the cloud for each firing sequence");
+  output.items.emplace_back(organized, get_organized, set_organized);
   return output;
 }
 
@@ -151,15 +142,16 @@ std::string apply_item(const OutputItem& item, const ItemValues& wanted, Changea
     if (std::isnan(*number)) return name + " is not a number; expected one";
     const double within = std::clamp(*number, item.lowest, item.highest);
     const auto* const none = std::get_if<double>(&item.otherwise);
-    item.set(output, none != nullptr && within == *none ? KeyValue() : within);
+    item.set_in(item, output, none != nullptr && within == *none ? KeyValue() : within);
   } else if (const auto* word = std::get_if<std::string>(&value)) {
     std::string expected;
-    for (const auto one : item.words) expected.append(expected.empty() ? "" : ", ").append(one);
-    if (std::find(item.words.begin(), item.words.end(), *word) == item.words.end())
+    for (const Word& one : item.words) expected.append(expected.empty() ? "" : ", ").append(one.text);
+    const auto is_it = [&](const Word& one) { return one.text == *word; };
+    if (std::none_of(item.words.begin(), item.words.end(), is_it))
       return name + " is '" + *word + "'; expected one of " + expected;
-    item.set(output, value);
+    item.set_in(item, output, value);
   } else {
-    item.set(output, value);
+    item.set_in(item, output, value);
   }
   return {};
 }
@@ -225,9 +217,10 @@ ConfigMessage with_group() {
 std::string edit_method(const OutputItem& item) {
   if (item.words.empty()) return {};
   std::string entries;
-  for (const auto& word : item.words) {
-    entries += (entries.empty() ? "{'name': '" : ", {'name': '") + std::string(word) +
-               "', 'type': 'str', 'value': '" + std::string(word) +
+  for (const Word& one : item.words) {
+    const std::string word(one.text);
+    entries += (entries.empty() ? "{'name': '" : ", {'name': '") + word + "', 'type': 'str', 'value': '" +
+               word +
                "', 'description': '', 'srcline': 0, 'srcfile': '', 'cconsttype': 'const char * const', "
                "'ctype': 'std::string'}";
   }
@@ -270,7 +263,7 @@ std::vector<ChangeableOutput> changeable_outputs(const Config& config, Reconfigu
 ItemValues values_of(const ChangeableOutput& output) {
   ItemValues values;
   for (const OutputItem& item : output.items) {
-    const KeyValue value = item.get(output);
+    const KeyValue value = item.get_from(item, output);
     values[std::string(item.name)] = value.is_set() ? value : item.otherwise;
   }
   return values;

@@ -17,9 +17,15 @@
 namespace lidard {
 
 struct ChangeableOutput;
-/// A setting of an output that may be changed while it runs: a number with limits, one of a few words, or a
-/// truth value.
-using OutputItem = KeyOf<ChangeableOutput>;
+/// A setting of an output that may be changed while it runs: a key with limits of its own, as it is shown and
+/// set.
+struct OutputItem : Key {
+  using Get = KeyValue (*)(const Key& key, const ChangeableOutput& output);
+  using Set = void (*)(const Key& key, ChangeableOutput& output, const KeyValue& value);
+  OutputItem(const Key& key, Get getter, Set setter) : Key(key), get_from(getter), set_in(setter) {}
+  Get get_from;
+  Set set_in;
+};
 
 /// Values of items by name.
 using ItemValues = std::map<std::string, KeyValue>;

@@ -26,7 +26,8 @@ Model scanner(const char* name, const char* product, double frame_period, double
   // 275 deg (data sheets of the three products); the step is that of a cycle of 30 ms, unverified.
   model.field = {-137.5, 0.39, 706};
   // CoLa 2 needs no login for what concerns the data output.
-  model.traits = {Trait::settings_writable, Trait::receiver_settable, Trait::states_on_request};
+  model.traits = {Trait::settings_writable, Trait::receiver_settable, Trait::states_on_request,
+                  Trait::output_paths};
   model.messages = {message_topic<DeviceState>(safety_topic::system_state),
                     message_topic<DeviceState>(output_paths_topic)};
   model.extra_scans = {safety_topic::intrusion, beam_status_scan};

@@ -13,12 +13,12 @@ namespace lidard::test {
 /// The calibration in `text`, as the file "f".
 inline Calibration calibration_of(const std::string& text) {
   std::vector<std::string> warnings;
-  return parse_calibration(text, "f", warnings);
+  return parse_calibration(text, "f", parse_yaml, warnings);
 }
 
 inline std::vector<std::string> calibration_warnings(const std::string& text) {
   std::vector<std::string> warnings;
-  parse_calibration(text, "f", warnings);
+  parse_calibration(text, "f", parse_yaml, warnings);
   return warnings;
 }
 

@@ -62,7 +62,7 @@ class ConfigCalibration : public ::testing::Test {
 
 TEST_F(ConfigCalibration, IsReadFromTheFolderOfTheConfiguration) {
   const Config config = parse("calibration: " + good_);
-  const auto& calibration = config.sensors.at(0).driver.calibration;
+  const Calibration* const calibration = own_calibration(config.sensors.at(0).driver);
   ASSERT_NE(calibration, nullptr);
   EXPECT_EQ(calibration->lasers.size(), 16U);
   EXPECT_EQ(calibration->model, CalibrationModel::ros_drivers);
@@ -78,16 +78,16 @@ TEST_F(ConfigCalibration, MayHaveAnAbsolutePath) {
 TEST_F(ConfigCalibration, TakesEitherModel) {
   for (const auto& [word, model] :
        {std::pair("exact", CalibrationModel::exact), std::pair("ros_drivers", CalibrationModel::ros_drivers)})
-    EXPECT_EQ(parse("calibration: " + good_ + ", calibration_model: " + word)
-                  .sensors.at(0)
-                  .driver.calibration->model,
-              model);
+    EXPECT_EQ(
+        own_calibration(parse("calibration: " + good_ + ", calibration_model: " + word).sensors.at(0).driver)
+            ->model,
+        model);
 }
 
 TEST_F(ConfigCalibration, WithoutAFileTheModelsOwnTableHasEitherEquations) {
   EXPECT_EQ(parse("calibration_model: exact").sensors.at(0).driver.calibration, nullptr);
   const Config config = parse("calibration_model: ros_drivers");
-  const auto& table = config.sensors.at(0).driver.calibration;
+  const Calibration* const table = own_calibration(config.sensors.at(0).driver);
   ASSERT_NE(table, nullptr);
   EXPECT_EQ(table->model, CalibrationModel::ros_drivers);
   ASSERT_EQ(table->lasers.size(), 16U);
@@ -112,7 +112,7 @@ TEST_F(ConfigCalibration, CheckPrintsWhatReadsBackToTheSame) {
   EXPECT_THAT(out.str(), HasSubstr("# calibration: what the model or the device itself says\n"));
   const Config again = parse_config(out.str(), folder_ + config_);
   EXPECT_EQ(to_yaml(again), out.str());
-  EXPECT_EQ(again.sensors.at(0).driver.calibration->model, CalibrationModel::exact);
+  EXPECT_EQ(own_calibration(again.sensors.at(0).driver)->model, CalibrationModel::exact);
   EXPECT_EQ(again.sensors.at(1).driver.calibration, nullptr);
 }
 

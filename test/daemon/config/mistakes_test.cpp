@@ -5,7 +5,7 @@
 
 #include <sstream>
 
-#include "daemon/config/config_error.h"
+#include "drivers/config_error.h"
 #include "test/daemon/config/config_support.h"
 
 namespace lidard {

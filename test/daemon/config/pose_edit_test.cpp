@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/angle.h"
-#include "daemon/config/config_error.h"
+#include "drivers/config_error.h"
 
 namespace lidard {
 namespace {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include "daemon/config/yaml_reader.h"
+#include "daemon/config/values.h"
 #include "test/daemon/config/config_support.h"
 
 namespace lidard {

@@ -8,7 +8,6 @@
 #include <gtest/gtest.h>
 
 #include "core/base/angle.h"
-#include "daemon/config/key_tables.h"
 
 namespace lidard {
 namespace {

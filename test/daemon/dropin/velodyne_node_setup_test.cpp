@@ -49,7 +49,7 @@ TEST(VelodyneNode, HasTheDefaultsOfTheNodesItStandsInFor) {
   EXPECT_EQ(sensor.ring_scan->ring, 8);
   EXPECT_EQ(sensor.ring_scan->resolution, 0.007);
   ASSERT_NE(sensor.driver.calibration, nullptr);
-  EXPECT_EQ(sensor.driver.calibration->model, CalibrationModel::ros_drivers);
+  EXPECT_EQ(own_calibration(sensor.driver)->model, CalibrationModel::ros_drivers);
   EXPECT_DOUBLE_EQ(sensor.driver.cut_angle, M_PI);
 }
 

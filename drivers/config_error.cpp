@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/config/config_error.h"
+#include "drivers/config_error.h"
 
 #include <algorithm>
 #include <tuple>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/config/calibration_file.h"
+#include "drivers/calibration_file.h"
 
 #include <tinyxml2.h>
 
@@ -13,14 +13,12 @@
 #include "core/base/angle.h"
 #include "core/base/nearest.h"
 #include "core/base/number_text.h"
-#include "daemon/config/yaml_reader.h"
 
 namespace lidard {
 namespace {
 
 using tinyxml2::XMLElement;
 
-constexpr const char* expected_file = "a calibration of velodyne_pointcloud (YAML) or a db.xml";
 constexpr long most_lasers = 128;
 constexpr double finest_step_m = 0.001;  // limits of a distance step; 0.2 is a step in cm
 constexpr double coarsest_step_m = 0.02;
@@ -76,15 +74,15 @@ class YamlCalibration {
   explicit YamlCalibration(std::vector<std::string>& warnings) : warnings_(warnings) {}
 
   Calibration read(const Value& file) {
-    const Entries entries = entries_of(file, known_of_file);
-    const Value* lasers = find(entries, "lasers");
-    const Value* step = find(entries, "distance_resolution");
-    if (lasers == nullptr) file.fail("has no lasers", expected_file);
-    if (step == nullptr)
+    const Mapping entries = entries_of(file, known_of_file);
+    const auto lasers = entries.find("lasers");
+    const auto step = entries.find("distance_resolution");
+    if (!lasers) file.fail("has no lasers", calibration_files);
+    if (!step)
       file.fail("has no distance_resolution", "it in m: 0.002, or 0.004 for VLP-32A/B/C and VLS-128");
     Calibration calibration;
     calibration.model = CalibrationModel::ros_drivers;
-    read_lasers(*lasers, find(entries, "num_lasers"), calibration.lasers);
+    read_lasers(*lasers, entries.find("num_lasers"), calibration.lasers);
     const double step_m = step->number(finest_step_m, coarsest_step_m, "m");
     calibration.distance_step_m =
         guarded_step(step_m, calibration.lasers.size(), step->place().to_string(), warnings_);
@@ -93,38 +91,31 @@ class YamlCalibration {
   }
 
  private:
-  using Entries = std::vector<std::pair<std::string, Value>>;
   struct NumberedLaser {
     std::size_t id;
     LaserCalibration laser;
   };
 
-  static const Value* find(const Entries& entries, std::string_view key) {
-    for (const auto& [name, value] : entries) {
-      if (name == key) return &value;
-    }
-    return nullptr;
-  }
-
   /// The entries; an unknown key is reported once, not once per laser.
-  Entries entries_of(const Value& value, const std::vector<std::string_view>& known) {
-    Entries entries = named_entries(value);
-    for (const auto& [key, entry] : entries) {
+  Mapping entries_of(const Value& value, const std::vector<std::string_view>& known) {
+    Mapping mapping(value);
+    for (const auto& [key, entry] : mapping.entries()) {
       if (std::find(known.begin(), known.end(), key) != known.end() || !reported_.insert(key).second)
         continue;
       const std::string_view near = nearest_word(key, known);
       warnings_.push_back(entry.key_place().to_string() + ": unknown key " + entry.path() + " is ignored" +
                           (near.empty() ? "" : "; perhaps " + std::string(near)));
     }
-    return entries;
+    return mapping;
   }
 
-  void read_lasers(const Value& list, const Value* number, std::vector<LaserCalibration>& lasers) {
+  void read_lasers(const Value& list, const std::optional<Value>& number,
+                   std::vector<LaserCalibration>& lasers) {
     const std::vector<Value> items = list.items("a list with one entry per laser");
     if (items.empty() || items.size() > static_cast<std::size_t>(most_lasers))
       list.fail("has " + std::to_string(items.size()) + " entries", "1 to 128 lasers");
     const std::string count = std::to_string(items.size());
-    if (number != nullptr && number->integer(1, most_lasers) != static_cast<long>(items.size()))
+    if (number && number->integer(1, most_lasers) != static_cast<long>(items.size()))
       number->fail("is " + number->quoted() + ", but lasers has " + count + " entries", count);
     std::vector<bool> is_there(items.size());
     lasers.resize(items.size());
@@ -139,33 +130,33 @@ class YamlCalibration {
   }
 
   NumberedLaser read_laser(const Value& item, std::size_t lasers) {
-    const Entries entries = entries_of(item, known_of_laser);
+    const Mapping entries = entries_of(item, known_of_laser);
     for (const char* key : {"laser_id", "rot_correction", "vert_correction"}) {
-      if (find(entries, key) == nullptr) item.fail(std::string("has no ") + key, "it for each laser");
+      if (!entries.has(key)) item.fail(std::string("has no ") + key, "it for each laser");
     }
     NumberedLaser read{};
-    read.id = static_cast<std::size_t>(find(entries, "laser_id")->integer(0, static_cast<long>(lasers) - 1));
+    read.id = static_cast<std::size_t>(entries.find("laser_id")->integer(0, static_cast<long>(lasers) - 1));
     for (const LaserNumber& key : laser_numbers) {
-      if (const Value* value = find(entries, key.key))
+      if (const auto value = entries.find(key.key))
         read.laser.*key.member = value->number(-key.limit, key.limit, key.unit);
     }
     read_intensities(entries, read.laser);
     const bool has_near = read.laser.dist_correction_x != 0 || read.laser.dist_correction_y != 0;
     read.laser.two_point = has_near ? TwoPoint::unstated : TwoPoint::off;
-    if (const Value* value = find(entries, "two_pt_correction_available"))
+    if (const auto value = entries.find("two_pt_correction_available"))
       read.laser.two_point = value->boolean() ? TwoPoint::on : TwoPoint::off;
     return read;
   }
 
   /// velodyne_pointcloud truncates them.
-  void read_intensities(const Entries& entries, LaserCalibration& laser) {
+  void read_intensities(const Mapping& entries, LaserCalibration& laser) {
     constexpr double limit = 65535;
-    const Value* lowest = find(entries, "min_intensity");
-    const Value* highest = find(entries, "max_intensity");
-    if (lowest != nullptr) laser.min_intensity = static_cast<int>(std::floor(lowest->number(0, limit, "")));
-    if (highest != nullptr) laser.max_intensity = static_cast<int>(std::floor(highest->number(0, limit, "")));
-    const Value* const last = highest != nullptr ? highest : lowest;
-    if (last != nullptr && laser.min_intensity > laser.max_intensity)
+    const auto lowest = entries.find("min_intensity");
+    const auto highest = entries.find("max_intensity");
+    if (lowest) laser.min_intensity = static_cast<int>(std::floor(lowest->number(0, limit, "")));
+    if (highest) laser.max_intensity = static_cast<int>(std::floor(highest->number(0, limit, "")));
+    const std::optional<Value>& last = highest ? highest : lowest;
+    if (last && laser.min_intensity > laser.max_intensity)
       warnings_.push_back(last->place().to_string() +
                           ": min_intensity is above max_intensity, so all intensities become " +
                           std::to_string(laser.max_intensity));
@@ -329,16 +320,31 @@ bool is_xml(const std::string& text) {
   return first != std::string::npos && text[first] == '<';
 }
 
+CalibrationModel read_calibration_model(const Value& value) {
+  const std::string expected =
+      "ros_drivers (the equations of velodyne_pointcloud), exact (the manual's) or veloview (the viewer's)";
+  const auto equations = calibration_model_of(value.text(expected));
+  if (equations) return *equations;
+  value.fail("is " + value.quoted(), expected);
+}
+
+/// `calibration_model:` without a file: the equations for the model's table.
+std::shared_ptr<Calibration> table_with(const Value& value, const Model& model) {
+  const CalibrationModel equations = read_calibration_model(value);
+  if (equations == CalibrationModel::exact) return nullptr;
+  if (equations == CalibrationModel::veloview)
+    value.fail_at_key("is veloview without calibration", "it with a calibration file");
+  if (needs_own_calibration(model))
+    value.fail_at_key("is given without calibration", "both: each HDL-64E is calibrated on its own");
+  return std::make_shared<Calibration>(table_calibration(model));
+}
+
 }  // namespace
 
-Calibration parse_calibration(const std::string& text, const std::string& name,
+Calibration parse_calibration(const std::string& text, const std::string& name, DocumentParser parse_yaml,
                               std::vector<std::string>& warnings) {
   if (is_xml(text)) return XmlCalibration(name, warnings).read(text);
   return YamlCalibration(warnings).read(parse_yaml(text, name));
-}
-
-Calibration load_calibration(const std::string& path, std::vector<std::string>& warnings) {
-  return parse_calibration(read_file(path, expected_file), path, warnings);
 }
 
 std::optional<CalibrationModel> calibration_model_of(std::string_view name) {
@@ -353,6 +359,20 @@ std::string_view name_of(CalibrationModel equations) {
     if (known == equations) return name;
   }
   return {};
+}
+
+std::shared_ptr<const Calibration> check_calibration(const Mapping& yaml, const Model& model,
+                                                     const std::optional<CalibrationFile>& file,
+                                                     DocumentParser parse_yaml,
+                                                     std::vector<std::string>& warnings) {
+  const auto equations = yaml.find("calibration_model");
+  if (!file) return equations ? table_with(*equations, model) : nullptr;
+  auto calibration =
+      std::make_shared<Calibration>(parse_calibration(file->text, file->path, parse_yaml, warnings));
+  calibration->model = equations ? read_calibration_model(*equations) : usual_equations(*calibration, model);
+  const std::string rejection = calibration_rejection(*calibration, model);
+  if (!rejection.empty()) yaml.where("calibration").fail(rejection, "the calibration of this sensor");
+  return calibration;
 }
 
 }  // namespace lidard

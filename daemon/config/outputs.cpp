@@ -1,66 +1,47 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
 // The keys that merged and virtual scans share.
+#include "daemon/config/outputs.h"
+
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/angle.h"
-#include "daemon/config/sections.h"
+#include "daemon/config/reading.h"
+#include "daemon/config/rows.h"
 
 namespace lidard {
 namespace {
 
-using namespace keys;
-
 constexpr double longest_period_s = 3600;
 constexpr std::size_t default_beams_per_turn = 1440;
 
-const Words<Profile> profiles{
-    {"strict", Profile::strict}, {"safety", Profile::safety}, {"flatten", Profile::flatten}};
-const Words<EmptyBeam> beams{{"inf", EmptyBeam::inf},
-                             {"nan", EmptyBeam::nan},
-                             {"range_max_plus_one", EmptyBeam::range_max_plus_one},
-                             {"minus_inf", EmptyBeam::minus_inf},
-                             {"zero", EmptyBeam::zero}};
-
 template <class Output>
-KeyOf<Output> profile_row() {
-  return word("profile", &Output::profile, profiles, "how the scan says what is known");
+KeyOf<Output> profile_key() {
+  return {
+      "profile", &Output::profile,
+      keys::word({{"strict", Profile::strict}, {"safety", Profile::safety}, {"flatten", Profile::flatten}}),
+      "how the scan says what is known"};
 }
-/// Encoding of beams without a range.
-Keys<OutputScanConfig> beam_rows() {
-  using O = OutputScanConfig;
-  return {word("empty", &O::empty, beams, "what stands where nothing is"),
-          word("unobserved", &O::unobserved, beams, "what stands where nothing is known")};
+const Key& also_profile() {
+  static const Key key = profile_key<AlsoScanConfig>();
+  return key;
 }
 
-Keys<ScanGridSpec> grid_rows() {
+Keys<ScanGridSpec> grid_keys() {
+  using namespace keys;
   using G = ScanGridSpec;
   return {
-      angle("angle_min", &G::angle_min, -two_pi, two_pi, "first beam"),
-      angle("angle_max", &G::angle_max, -two_pi, two_pi, "last beam"),
-      whole("beams", &G::beams, 2, 32767, "number of beams, in place of angle_increment")
-          .by_default("1440 for a full turn"),
-      angle("angle_increment", &G::angle_increment, 0, pi_d, "between beams")
-          .by_default("a 1440th of a turn"),
-      number("time_increment", &G::time_increment, 0, longest_period_s, "s", "between beams"),
-      number("scan_time", &G::scan_time, 0, longest_period_s, "s", "between scans; 0: that of the sources"),
-      number("range_min", &G::range_min, 0, farthest_m, "m", "nearer returns are left out")
-          .by_default("of the nearest-sighted source"),
-      number("range_max", &G::range_max, 0, farthest_m, "m", "farther returns are left out")
-          .by_default("of the farthest-sighted source")};
-}
-
-Keys<OutputScanConfig> height_rows() {
-  using O = OutputScanConfig;
-  return {number("min_height", &O::min_height, -farthest_m, farthest_m, "m",
-                 "lower returns are left out, in the frame of the scan")
-              .unless_set("no limit")
-              .or_else(-farthest_m),
-          number("max_height", &O::max_height, -farthest_m, farthest_m, "m",
-                 "higher returns are left out, in the frame of the scan")
-              .unless_set("no limit")
-              .or_else(farthest_m)};
+      {"angle_min", &G::angle_min, angle(-two_pi, two_pi), "first beam"},
+      {"angle_max", &G::angle_max, angle(-two_pi, two_pi), "last beam"},
+      {"beams", &G::beams, whole(2, 32767), "number of beams, in place of angle_increment",
+       preset("1440 for a full turn")},
+      {"angle_increment", &G::angle_increment, angle(0, pi_d), "between beams", preset("a 1440th of a turn")},
+      {"time_increment", &G::time_increment, number(0, longest_period_s, "s"), "between beams"},
+      {"scan_time", &G::scan_time, number(0, longest_period_s, "s"), "between scans; 0: that of the sources"},
+      {"range_min", &G::range_min, number(0, farthest_m, "m"), "nearer returns are left out",
+       preset("of the nearest-sighted source")},
+      {"range_max", &G::range_max, number(0, farthest_m, "m"), "farther returns are left out",
+       preset("of the farthest-sighted source")}};
 }
 
 /// The key that a message about the grid refers to: the first one in the message that is in the file.
@@ -83,7 +64,7 @@ void check_grid(const ScanGridSpec& spec, const Mapping& yaml, Reading& reading)
     throw ConfigError(place_of_complaint(grid.reason(), yaml).place(), path + ": " + grid.reason());
   }
   if (grid->beams < gmapping_beam_limit) return;
-  reading.warn(yaml.where(yaml.has("beams") ? "beams" : "angle_increment").place(),
+  reading.warn(yaml.where_first({"beams", "angle_increment"}).place(),
                path + " has " + std::to_string(grid->beams) + " beams; gmapping needs fewer than " +
                    std::to_string(gmapping_beam_limit) +
                    ": set beams lower where gmapping is to use the scan");
@@ -92,27 +73,30 @@ void check_grid(const ScanGridSpec& spec, const Mapping& yaml, Reading& reading)
 }  // namespace
 
 const Keys<OutputScanConfig>& output_keys() {
+  using namespace keys;
   using O = OutputScanConfig;
   static const Keys<O> rows = [] {
-    Keys<O> all = joined<O>({{profile_row<O>()}, within(&O::grid, grid_rows()), beam_rows(), height_rows()});
+    const Form beam = word({{"inf", EmptyBeam::inf},
+                            {"nan", EmptyBeam::nan},
+                            {"range_max_plus_one", EmptyBeam::range_max_plus_one},
+                            {"minus_inf", EmptyBeam::minus_inf},
+                            {"zero", EmptyBeam::zero}});
+    const Form height = number(-farthest_m, farthest_m, "m");
+    Keys<O> all{
+        Keys<O>{profile_key<O>()}, within(&O::grid, grid_keys()),
+        Keys<O>{{"empty", &O::empty, beam, "what stands where nothing is"},
+                {"unobserved", &O::unobserved, beam, "what stands where nothing is known"},
+                {"min_height", &O::min_height, height, "lower returns are left out, in the frame of the scan",
+                 remark("no limit", -farthest_m)},
+                {"max_height", &O::max_height, height,
+                 "higher returns are left out, in the frame of the scan", remark("no limit", farthest_m)}}};
     for (Key& key : all) key.live = key.name != "beams";  // which angle_increment stands for
     return all;
   }();
   return rows;
 }
 
-const KeyOf<AlsoScanConfig>& also_profile() {
-  static const KeyOf<AlsoScanConfig> key = profile_row<AlsoScanConfig>();
-  return key;
-}
-
-SourceLimits::SourceLimits(const SensorConfig& sensor) : SourceLimits(ScanGridSpec()) {
-  if (sensor.model == nullptr) return;
-  range_min = sensor.model->range_min;
-  range_max = sensor.model->range_max;
-}
-
-void default_ranges(const std::vector<SourceLimits>& sources, ScanGridSpec& grid) {
+void default_ranges(const std::vector<Source>& sources, ScanGridSpec& grid) {
   if (sources.empty()) return;
   const auto nearest = std::min_element(
       sources.begin(), sources.end(), [](const auto& a, const auto& b) { return a.range_min < b.range_min; });
@@ -122,9 +106,9 @@ void default_ranges(const std::vector<SourceLimits>& sources, ScanGridSpec& grid
   grid.range_max = farthest->range_max;
 }
 
-void check_output(Mapping& yaml, OutputScanConfig& output, Reading& reading) {
+void check_output(const Mapping& yaml, OutputScanConfig& output, Reading& reading) {
   if (output.min_height && output.max_height && *output.max_height <= *output.min_height)
-    yaml.where(yaml.has("max_height") ? "max_height" : "min_height")
+    yaml.where_first({"max_height", "min_height"})
         .fail("leaves no height between min_height and max_height", "min_height < max_height");
   ScanGridSpec& grid = output.grid;
   if (grid.angle_max < grid.angle_min) {
@@ -142,7 +126,7 @@ void check_output(Mapping& yaml, OutputScanConfig& output, Reading& reading) {
 
 void check_sector(const Mapping& yaml, const Sector& sector) {
   if (sector.width() > 0) return;
-  yaml.where(yaml.has("angle_max") ? "angle_max" : "angle_min")
+  yaml.where_first({"angle_max", "angle_min"})
       .fail("is a sector of no width", "angle_min and angle_max of a sector, counter-clockwise");
 }
 
@@ -152,16 +136,21 @@ bool knows_free_space(const OutputScanConfig& output, const std::vector<AlsoScan
          });
 }
 
+KeyMap shown_also(const std::vector<AlsoScanConfig>& also) {
+  KeyMap map;
+  for (const AlsoScanConfig& one : also) map.emplace_back(one.topic, also_profile().get(&one));
+  return map;
+}
+
 void read_also(const Mapping& yaml, std::vector<AlsoScanConfig>& also) {
   const auto section = yaml.find("also");
   if (!section) return;
   Mistakes mistakes;
-  for (const auto& [topic, value] : named_entries(*section, &mistakes)) {
+  for (const auto& [topic, value] : section->entries(&mistakes)) {
     mistakes.attempt([&, &topic = topic, &value = value] {
       check_entry_name(topic, value);
-      AlsoScanConfig one;
-      one.topic = topic;
-      also_profile().set(one, read_value(value, also_profile()));
+      AlsoScanConfig one{topic};
+      also_profile().set(&one, read_value(value, also_profile()));
       also.push_back(one);
     });
   }

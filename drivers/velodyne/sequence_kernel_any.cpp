@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/velodyne/sequence_kernel.h"
-
 #include "drivers/velodyne/sequence_kernel_loops.h"
 
 namespace lidard::velodyne {

@@ -1,0 +1,30 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "daemon/config/schedule.h"
+
+namespace lidard {
+
+/// One entry of `merged_clouds:`.
+struct MergedCloudConfig {
+  std::string name;
+  std::vector<std::string>
+      sources;  ///< names of sensors; a return's `sensor` is the place of its source here
+  std::string destination_frame;
+  std::optional<Pose> destination_pose;  ///< as in MergedScanConfig
+  std::string destination_topic;         ///< default: the entry's name
+  bool organized = false;                ///< a row per ring, else a list
+  ScheduleSettings schedule;
+  MissingMotion on_missing_motion = MissingMotion::stand;
+};
+
+const Keys<MergedCloudConfig>& merged_cloud_keys();
+inline bool applies(const Key& key, const MergedCloudConfig& merged) { return applies(key, merged.schedule); }
+void read_merged_clouds(const Mapping& root, Reading& reading);
+
+}  // namespace lidard

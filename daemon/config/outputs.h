@@ -1,0 +1,65 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/angle.h"
+#include "core/evidence/placed_scan.h"
+#include "core/frames/scan_grid.h"
+#include "drivers/key.h"
+
+namespace lidard {
+
+class Mapping;
+struct Reading;
+struct Source;
+
+/// What stands in a beam of the output where nothing was seen.
+enum class EmptyBeam : std::uint8_t { inf, nan, range_max_plus_one, minus_inf, zero };
+
+/// Keys that merged and virtual scans share.
+struct OutputScanConfig {
+  Profile profile = Profile::flatten;
+  ScanGridSpec grid;
+  EmptyBeam empty = EmptyBeam::inf;       ///< nothing there
+  EmptyBeam unobserved = EmptyBeam::nan;  ///< not known
+  std::optional<double> min_height,
+      max_height;  ///< m, in the output frame; unset: the default of the kind of output
+};
+
+/// One more scan of the same merge: `also:` of an entry of `merged_scans:`.
+struct AlsoScanConfig {
+  std::string topic;
+  Profile profile = Profile::safety;
+};
+
+/// The largest length that a key of an output takes, m.
+constexpr double farthest_m = 10000;
+
+const Keys<OutputScanConfig>& output_keys();
+/// What the keys of an output have to fulfil together; fills in what follows from them.
+void check_output(const Mapping& yaml, OutputScanConfig& output, Reading& reading);
+/// Rejects an angle_min and angle_max between which nothing lies.
+void check_sector(const Mapping& yaml, const Sector& sector);
+
+/// The ranges of a scan of these sources, unless the file says others.
+void default_ranges(const std::vector<Source>& sources, ScanGridSpec& grid);
+
+KeyMap shown_also(const std::vector<AlsoScanConfig>& also);
+void read_also(const Mapping& yaml, std::vector<AlsoScanConfig>& also);
+/// True if some of these scans is more than points.
+bool knows_free_space(const OutputScanConfig& output, const std::vector<AlsoScanConfig>& also);
+
+/// `also:` of merged and virtual scans.
+template <class Output>
+KeyOf<Output> also_key() {
+  KeyValue (*const get)(const Output&) = [](const Output& output) -> KeyValue {
+    return shown_also(output.also);
+  };
+  return {"also", get, keys::special("{TOPIC: PROFILE, …}"), "more scans of the same evidence, by topic"};
+}
+
+}  // namespace lidard
