@@ -103,8 +103,9 @@ KeyValue read_value(const Value& value, const Key& key) {
 void read_row(const Mapping& yaml, const Key& key, void* owner) {
   const auto value =
       key.required && key.can_be_set() ? yaml.require(key.name, expected_of(key)) : yaml.find(key.name);
-  if (key.kind == KeyKind::angle && key.can_be_set()) {
-    if (const auto angle = yaml.angle(std::string(key.name))) key.set(owner, *angle);
+  if (key.kind == KeyKind::angle) {
+    const auto angle = yaml.angle(std::string(key.name));
+    if (angle && key.can_be_set()) key.set(owner, *angle);
   } else if (key.kind == KeyKind::section && value) {
     const bool is_brief = key.style == SectionStyle::brief && value->is_text();
     if (is_brief) return key.inner.front().set(owner, read_value(*value, key.inner.front()));

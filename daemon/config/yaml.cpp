@@ -50,8 +50,9 @@ class DocumentBuilder : public YAML::EventHandler {
   void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
     const auto& node = anchors_.at(anchor);
     if (std::find(open_.begin(), open_.end(), node) != open_.end())
-      throw ConfigError(place_in(mark, top_),
-                        "an alias stands for what it is a part of; expected no such loop");
+      throw ConfigError(
+          place_in(mark, top_),
+          "an alias stands for the list or mapping that it is a part of; expected one that ends before it");
     place(node);
   }
   void OnScalar(const YAML::Mark& mark, const std::string& /*tag*/, YAML::anchor_t anchor,

@@ -59,8 +59,8 @@ TEST(Config, AMergeKeyBringsTheKeysOfAnotherMapping) {
 
 TEST(Config, AMergeKeyThatGoesRoundInCirclesOrGrowsWithoutEndIsRefused) {
   EXPECT_EQ(error_of("sensors:\n  a: &a {<<: *a, topic: /a}\n"),
-            "f:2:10: sensors.a.<< merges more than 100 mappings; expected an alias of a mapping, like `<<: "
-            "*scanner`, or a list of them");
+            "f:2:14: an alias stands for the list or mapping that it is a part of; expected one that ends "
+            "before it");
   std::string text = "sensors:\n  s0: &s0 {topic: /s}\n";
   for (int i = 1; i < 9; ++i) {
     const std::string below = "*s" + std::to_string(i - 1);
