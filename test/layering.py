@@ -71,12 +71,8 @@ HEAVY_IN_HEADERS = "|".join([ROS, r"pcl/|spdlog"])
 # Files of one room that lead back to themselves through the others, a group a line; a .h and its .cpp count as one. No new
 # ones: what two files need of each other belongs into a third one.
 KNOWN_CIRCLES = {
-    "daemon/dropin/import import_poses",
     "daemon/pipeline/reception report",
     "daemon/pipeline/sensor sensor_health",
-    "drivers/sick/cola/cola_frames cola_models cola_scan",
-    "drivers/velodyne/calibration models",
-    "drivers/velodyne/sequence_kernel sequence_kernel_loops",
     "test/sim/devices/velodyne velodyne_head",
 }
 # Words that names and comments do not use, and what they say instead; a text in quotes may have them.

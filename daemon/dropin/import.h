@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "daemon/dropin/launch_file.h"
+#include "daemon/dropin/import_poses.h"
 
 namespace lidard {
 
@@ -16,16 +16,6 @@ struct ImportOptions {
   std::vector<std::string> arguments;  ///< of the launch file, NAME:=VALUE
   std::string output = "-";
   bool tables = false;  ///< prints the tables of all parameters instead
-};
-
-/// A configuration equivalent to nodes of other packages. The lists contain every parameter, pose and node
-/// without counterpart.
-struct ImportedConfig {
-  KeyMap keys;                       ///< by section
-  std::vector<std::string> changes;  ///< changes of outputs, poses and topics
-  std::vector<std::string> stays;    ///< nodes and transforms that are needed in a launch file as before
-  std::vector<std::string> remarks;  ///< parameters and nodes that are not needed
-  std::size_t entries = 0;           ///< sensors, merged and virtual scans
 };
 
 /// Converts the nodes; a node with invalid parameters is skipped with a remark.

@@ -6,10 +6,21 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <vector>
 
-#include "daemon/dropin/import.h"
+#include "daemon/dropin/launch_file.h"
 
 namespace lidard {
+
+/// A configuration equivalent to nodes of other packages. The lists contain every parameter, pose and node
+/// without counterpart.
+struct ImportedConfig {
+  KeyMap keys;                       ///< by section
+  std::vector<std::string> changes;  ///< changes of outputs, poses and topics
+  std::vector<std::string> stays;    ///< nodes and transforms that are needed in a launch file as before
+  std::vector<std::string> remarks;  ///< parameters and nodes that are not needed
+  std::size_t entries = 0;           ///< sensors, merged and virtual scans
+};
 
 /// The static transforms of imported nodes, and the poses that they make in a configuration.
 class ImportPoses {

@@ -10,7 +10,7 @@
 
 #include "core/base/angle.h"
 #include "core/base/number_text.h"
-#include "drivers/velodyne/models.h"
+#include "drivers/velodyne/model_row.h"
 
 namespace lidard {
 namespace velodyne {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-// Included only by sequence_kernel.cpp and sequence_kernel_avx2.cpp, which are compiled for different
+// Included only by sequence_kernel_any.cpp and sequence_kernel_avx2.cpp, which are compiled for different
 // processors. Loops have fixed lengths and no branches, so that the compiler vectorises them.
 
 #include <cstring>

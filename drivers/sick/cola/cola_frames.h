@@ -12,7 +12,7 @@
 #include "core/frames/cloud.h"
 #include "core/frames/scan.h"
 #include "drivers/driver.h"
-#include "drivers/sick/cola/cola_models.h"
+#include "drivers/sick/cola/cola_row.h"
 #include "drivers/sick/cola/cola_scan.h"
 
 namespace lidard::sick {

@@ -4,7 +4,6 @@
 
 #include <string>
 
-#include "drivers/sick/cola/cola_models.h"
 
 namespace lidard::sick {
 namespace {

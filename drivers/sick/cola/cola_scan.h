@@ -15,7 +15,7 @@
 #include "core/base/device_clock.h"
 #include "core/base/time.h"
 #include "drivers/driver_base.h"
-#include "drivers/sick/cola/cola_models.h"
+#include "drivers/sick/cola/cola_row.h"
 #include "drivers/sick/cola/cola_stream.h"
 
 namespace lidard::sick {
