@@ -1,10 +1,11 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/config/removed_keys.h"
-
+// Keys that are no longer known, and keys of other drivers.
 #include <fnmatch.h>
 
 #include <algorithm>
+
+#include "daemon/config/values.h"
 
 namespace lidard {
 namespace {

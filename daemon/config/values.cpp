@@ -8,7 +8,6 @@
 
 #include "core/base/angle.h"
 #include "core/base/nearest.h"
-#include "daemon/config/removed_keys.h"
 
 namespace lidard {
 namespace {

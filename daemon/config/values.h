@@ -11,6 +11,12 @@
 
 namespace lidard {
 
+/// The replacement of a key of former versions, by its path like merged_scans.m.fuse; empty: there was no
+/// such key.
+std::string_view instead_of(const std::string& path);
+/// The key that stands for one of other drivers, like sensors.a.hostname; empty: not known.
+std::string_view ours_for(const std::string& path);
+
 /// A mapping with known keys. Unknown and repeated ones are left out, and are mistakes.
 Mapping known_mapping(const Value& value, const std::vector<std::string_view>& known, Mistakes& mistakes);
 /// A pose from {xyz: m, rpy: rad or rpy_deg}.

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/config/removed_keys.h"
+#include "daemon/config/values.h"
 
 #include <gtest/gtest.h>
 
