@@ -96,7 +96,7 @@ std::string with_mounts(const std::string& file, const std::map<std::string, Mou
     const Mapping sensor(value_at(sensors, name));
     // What is merged with << stands elsewhere, before its entry.
     const Place& begin = sensor.self().place();
-    const Place& pose = sensor.where("pose").place();
+    const Place& pose = sensor.where("pose").key_place();
     if (!sensor.has("pose") || std::tie(pose.line, pose.column) < std::tie(begin.line, begin.column))
       throw std::runtime_error("write the pose of " + name +
                                " into its own entry, not into one that is merged with <<");

@@ -55,11 +55,14 @@ TEST(PoseEdit, WritesSmallNumbersWithoutAnExponent) {
             "sensors: {a: {time_offset: 0.00002, pose: {xyz: [-0.0001, 0, 0], rpy_deg: [0, 0, 0]}}}");
 }
 
-TEST(PoseEdit, KeepsAByteOrderMarkAndRefusesAPoseThatIsMergedIn) {
+TEST(PoseEdit, KeepsAByteOrderMarkFollowsAnAliasAndRefusesAPoseThatIsMergedIn) {
   const std::string mark = "\xEF\xBB\xBF", begin = "sensors: {a: {pose: {xyz: [";
   EXPECT_EQ(with_mounts(mark + begin + "0, 0, 0], rpy_deg: [0, 0, 0]}}}",
                         {{"a", {make_pose({1, 2, 3}, {0, 0, 0}), {}}}}),
             mark + begin + "1, 2, 3], rpy_deg: [0, 0, 0]}}}");
+  EXPECT_EQ(with_mounts("p: &p {xyz: [0, 0, 0], rpy: [0, 0, 0]}\nsensors: {a: {pose: *p}}",
+                        {{"a", {make_pose({1, 2, 3}, {0, 0, 0}), {}}}}),
+            "p: &p {xyz: [1, 2, 3], rpy: [0, 0, 0]}\nsensors: {a: {pose: *p}}");
   EXPECT_THROW(with_mounts("v: &v {pose: {xyz: [0, 0, 0]}}\nsensors: {a: {<<: *v}}", {{"a", {wanted, {}}}}),
                std::runtime_error);
 }
