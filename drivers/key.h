@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <initializer_list>
 #include <optional>
 #include <string>
@@ -132,16 +134,13 @@ inline KeyValue key_value(const std::vector<std::string>& value) {
 }
 inline KeyValue key_value(const Pose& value) { return value; }
 inline KeyValue key_value(const IpAddress& value) { return value.to_string(); }
-template <class T>
-KeyValue key_value(const std::optional<T>& value) {
-  return value ? key_value(*value) : KeyValue();
-}
 
-/// A member of `Owner`, or of a structure inside of it.
+/// A member of `Owner`, or of a structure inside of it: `offset` bytes behind its begin.
 template <class Owner, class T>
 struct Member {
   std::ptrdiff_t offset;
 };
+/// at(&Owner::inner, &Inner::member): the member at the end of the path.
 template <class Owner, class T>
 Member<Owner, T> at(T Owner::*member) {
   static const Owner probe{};
@@ -155,6 +154,7 @@ template <class Owner, class Inner, class... Path>
 auto at(Inner Owner::*first, Path... path) {
   return at(first, at(path...));
 }
+
 /// The value of a member, and how it is stored there.
 template <class T>
 struct Stored {

@@ -154,7 +154,7 @@ std::string row_of(const Model& model) {
                     text(model.kind == FrameKind::cloud ? "cloud" : "scan") + std::to_string(model.port) +
                     " " + std::to_string(model.telemetry_port) + " " + std::to_string(model.dialogue_port) +
                     (model.transport == Transport::tcp ? " tcp, " : " udp, ") + numbers + "\n  can";
-  for (int trait = 0; trait <= static_cast<int>(Trait::states_on_request); ++trait)
+  for (int trait = 0; trait <= static_cast<int>(Trait::output_paths); ++trait)
     if (model.has(static_cast<Trait>(trait))) all += " " + std::to_string(trait);
   all += "\n  tells";
   for (const MessageTopic& topic : model.messages)
