@@ -34,7 +34,8 @@ def declared(text):
             for owner, name in re.findall(r"(\w+)(?:<\w+>)?::(~?\w+)\s*\(", piece):
                 scopes[owner].add(name)
 
-    for char in NO_CODE.sub("", text):
+    pointer_to_function = re.compile(r"\(\*(\w+)\)")
+    for char in pointer_to_function.sub(r" \1 ", NO_CODE.sub("", text)):
         if char == "(":
             piece += char if not parens else ""
             parens.append(len(open_scopes))
