@@ -83,7 +83,7 @@ struct PlacedScan {
   enum Link : char { apart, linked_surely, near };
   std::vector<char> linked;      ///< Link: beams i and i + 1 lie on one surface
   std::vector<float> free_from;  ///< m level from the source: begin of the beam's free part
-  std::vector<float> free_to;    ///< m level from the source: its end; 0: no evidence
+  std::vector<float> free_to;    ///< m level from the source: end of the beam's free part; 0: no evidence
   std::vector<LoneReturn> lone_returns;
   std::vector<LoneReturn> lone_before;  ///< of the sweep before
   std::vector<EarlyReturn> early_returns;
