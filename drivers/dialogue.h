@@ -173,8 +173,8 @@ class SideDialogue : public Dialogue {
   Span fruitless_pause_ = first_fruitless_pause;
   bool talked_ = false;    // the last attempt to connect succeeded
   bool complete_ = false;  // the last dialogue was completed
-  bool failed_ = false;    // it was broken off
-  Stamp ended_{};          // when it did
+  bool failed_ = false;    // the last dialogue was broken off
+  Stamp ended_{};          // when the last dialogue ended
 };
 
 }  // namespace lidard

@@ -81,9 +81,9 @@ class HostClock {
   static HostStamp at(Span monotonic) { return {monotonic.count()}; }
 
   Span offset_;     // realtime - monotonic at the beginning
-  Span step_{0};    // what was added to it since
-  Span set_at_{0};  // monotonic
-  Span before_{0};  // the same before the last step
+  Span step_{0};    // by which the host's clock was set since the beginning
+  Span set_at_{0};  // monotonic time of the last step
+  Span before_{0};  // step_ before the last step
   std::uint64_t steps_ = 0;
 };
 

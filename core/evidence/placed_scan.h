@@ -82,8 +82,8 @@ struct PlacedScan {
   /// It is drawn, but what lies before it is not free.
   enum Link : char { apart, linked_surely, near };
   std::vector<char> linked;      ///< Link: beams i and i + 1 lie on one surface
-  std::vector<float> free_from;  ///< m level from the source; the beam is free from here
-  std::vector<float> free_to;    ///< to here; 0: no evidence
+  std::vector<float> free_from;  ///< m level from the source: begin of the beam's free part
+  std::vector<float> free_to;    ///< m level from the source: end of the beam's free part; 0: no evidence
   std::vector<LoneReturn> lone_returns;
   std::vector<LoneReturn> lone_before;  ///< of the sweep before
   std::vector<EarlyReturn> early_returns;

@@ -138,7 +138,7 @@ class Visibility {
   RangeLayer mixed_pixels_;
   std::vector<std::uint16_t> outline_of_;  // by source and kind: of those that there are
   std::vector<Kind> kind_of_;              // of the outlines, the vehicle's last
-  std::vector<Layers> layers_;             // of the same
+  std::vector<Layers> layers_;             // of the outlines, in the same order
   std::vector<BeamState> states_;
   std::vector<float> covered_;
   std::vector<float> body_at_;   // m to where the way leads into the space behind a return; infinite: nowhere

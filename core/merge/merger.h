@@ -71,7 +71,7 @@ class Merger {
   const Visibility* visibility() const { return visibility_ ? &*visibility_ : nullptr; }
   /// A source's sweep as placed by the last merge; nullptr if it was not used or no surfaces are computed.
   const PlacedScan* sweep(std::size_t source) const { return newest_sweeps_[source]; }
-  /// The same, used or not: its counters.
+  /// A source's newest sweep, whether the last merge used it or not; for its counters.
   const PlacedScan& last_sweep(std::size_t source) const { return sources_[source].sweep; }
   /// The origin of a source's sweep, in the output frame.
   Eigen::Vector2d looks_from(std::size_t source) const {

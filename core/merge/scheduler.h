@@ -73,7 +73,7 @@ class Scheduler {
     bool used = false;   // in the last output
     bool back = false;   // the newest sweep ends a loss and was in no output yet
     Stamp arrival{};     // of the newest sweep
-    Stamp end{};         // its last ray
+    Stamp end{};         // last ray of the newest sweep
     double period = 0;   // s
     double delay = 0;    // s from the last ray to the arrival, smoothed
     int pauses = 0;      // consecutive

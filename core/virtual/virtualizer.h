@@ -58,7 +58,7 @@ class Virtualizer {
     project(frame, &virtual_from_cloud, outputs);
   }
 
-  /// Why nothing is known of surfaces and free space of a cloud; empty: it is, of all.
+  /// Why surfaces and free space of a cloud are not known; empty: they are known of all clouds.
   const char* why_no_surfaces() const;
   std::uint64_t own_returns() const;
   /// What is known of a frame's beams; only with `visibility`.

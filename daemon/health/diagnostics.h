@@ -34,7 +34,8 @@ struct DiagnosticItem {
   void add(std::string key, std::uint64_t number) { add(std::move(key), std::to_string(number)); }
 };
 
-/// The items of both threads. Items with one name are joined, with the worse message and the values of both.
+/// Joins the items of two threads. Items with one name become one, with the worse message and the values of
+/// both.
 std::vector<DiagnosticItem> joined(const std::vector<DiagnosticItem>& items,
                                    std::vector<DiagnosticItem> more);
 

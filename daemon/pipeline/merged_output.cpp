@@ -184,7 +184,7 @@ class MergedOutput final : public Output {
   std::vector<const PlacedScan*> compared_;
   std::vector<Eigen::Vector2d> places_;
   std::vector<PlanarScan> scans_;                // the first is the entry's own, then those of `also`
-  std::vector<const OutputTopic*> scan_topics_;  // theirs
+  std::vector<const OutputTopic*> scan_topics_;  // of scans_, in the same order
   const OutputTopic* cloud_topic_ = nullptr;     // nullptr, as below: none
   const OutputTopic* status_topic_ = nullptr;
   std::vector<MergedScan> merged_;

@@ -38,7 +38,7 @@ class Outlet {
   /// The number of the source of that name: a sensor, a virtual scan by its topic, or a source of merged
   /// scans elsewhere.
   std::optional<std::size_t> find_source(const std::string& name) const;
-  /// The same of a source that must be there.
+  /// The number of a source that must be there.
   std::size_t source(const std::string& name) const;
   /// From now on `output` gets what the source gives, as its source number `place`.
   void connect(std::size_t source, Output& output, std::size_t place) {

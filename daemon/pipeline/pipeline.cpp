@@ -70,7 +70,7 @@ Sensor& Pipeline::sensor_at(std::size_t place) const {
   return **std::find_if(sensors_.begin(), sensors_.end(), has_place);
 }
 
-/// nullptr: nobody's, or of no interest.
+/// The sensor that a packet belongs to; nullptr: no sensor, or a packet without use.
 Sensor* Pipeline::owner_of(const Packet& packet) {
   if (Sensor* const* owner = flows_.find(packet)) {
     const SensorConfig& config = (*owner)->config();

@@ -62,8 +62,8 @@ struct MotionStatus {
   std::optional<Span> clock_ahead;  ///< by which stamps of the topic, another clock's, are ahead
   bool data_live = false;           ///< sensors deliver
   bool poses_live = false;
-  std::optional<double> data_ahead_s;   ///< of the newest pose; none: there is none, or no data
-  std::optional<double> poses_ahead_s;  ///< of the newest data: the oldest pose
+  std::optional<double> data_ahead_s;   ///< s from the newest pose to the newest data; none: one is missing
+  std::optional<double> poses_ahead_s;  ///< s from the newest data to the oldest pose
   std::string why_refused;              ///< why the newest pose could not be used; empty: it could
   std::uint64_t knots = 0, jumps_back = 0, not_rigid = 0, refused = 0, without_speed = 0, stamps_replaced = 0,
                 out_of_order = 0;

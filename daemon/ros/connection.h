@@ -40,10 +40,9 @@ class RosConnection {
   void add(std::shared_ptr<RosComponent> component, std::shared_ptr<RosComponent> former = nullptr);
   void start();
 
-  /// Receives the frames.
-  /// Of one pipeline.
+  /// Receives the frames of one pipeline.
   PublisherThread::Sink& sink() { return sink_; }
-  /// Of a further pipeline in another thread; call it before start().
+  /// Adds the sink of a further pipeline, in another thread; call it before start().
   PublisherThread::Sink& add_sink() { return publisher_.add_sink(); }
   PublisherThread& publisher() { return publisher_; }
 
@@ -125,7 +124,7 @@ class RosConnection {
   // Of the master thread:
   std::vector<Component> components_;
   std::unique_ptr<RosCallbackThread> callbacks_;  // while ROS runs
-  ros::Publisher diagnostics_;                    // the same
+  ros::Publisher diagnostics_;                    // while ROS runs
   Clock::time_point last_round_ = Clock::now();
   bool running_ = false;
   bool registered_ = false;

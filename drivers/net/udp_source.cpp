@@ -261,15 +261,15 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
   std::string warning_;
   std::uint16_t port_ = 0;
   std::chrono::milliseconds retry_ = first_retry;
-  unsigned attempts_ = 0;  // to open the port, in vain
-  std::string holder_;     // who has it
+  unsigned attempts_ = 0;  // to open the port, that failed in a row
+  std::string holder_;     // the program that has the port
   // Identifies the socket, so that queued handlers of a closed socket return.
   std::uint64_t generation_ = 0;
   bool filtered_ = false;
   std::optional<HostStamp> filling_seen_;
   std::uint32_t drops_ = 0;
   std::uint64_t attributed_ = 0;  // of stats_.unknown_filtered, to the packet of an unknown sender after them
-  bool busy_ = false;  // read by busy_timer_ instead of the reactor
+  bool busy_ = false;             // read by busy_timer_ instead of the reactor
   std::chrono::steady_clock::time_point rate_begin_;
   std::uint64_t rate_datagrams_ = 0;  // at rate_begin_
 };

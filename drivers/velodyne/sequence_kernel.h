@@ -24,9 +24,9 @@ constexpr std::size_t lanes = 8;
 struct alignas(32) LaserArrays {
   double turning[most_lasers];      ///< rotation time before it fired
   double cos_rot[most_lasers];      ///< of its rot_correction
-  double sin_rot[most_lasers];      ///< "
+  double sin_rot[most_lasers];      ///< of its rot_correction
   float cos_shift[most_lasers];     ///< of its azimuth minus the sequence's; see turn_lasers
-  float sin_shift[most_lasers];     ///< "
+  float sin_shift[most_lasers];     ///< of its azimuth minus the sequence's
   float ground_step[most_lasers];   ///< distance over ground of one count
   float ground_begin[most_lasers];  ///< distance over ground of count 0
   float up_step[most_lasers];       ///< height of one count
@@ -49,7 +49,7 @@ struct alignas(32) CalibrationArrays {
   float z_offset[most_lasers];
   float horiz_offset[most_lasers];
   float near_x[most_lasers];  ///< 0 without two-point correction
-  float near_y[most_lasers];  ///< "
+  float near_y[most_lasers];  ///< 0 without two-point correction
   float focal[most_lasers];
   float focal_slope[most_lasers];
   float min_intensity[most_lasers];

@@ -304,7 +304,7 @@ class VelodyneDriver final : public DriverBase {
   std::optional<WebDialogue> web_;
   Endpoint data_to_;  // of the newest data packet
   Hdl64Status status_;
-  std::shared_ptr<const Calibration> sent_;  // by the sensor, in the last two bytes
+  std::shared_ptr<const Calibration> sent_;  // by the sensor, in the last two bytes of its packets
   Stamp described_{};
   const Timing* timing_in_force_ = nullptr;
   OrderedPacket incoming_{};
