@@ -347,7 +347,7 @@ class Daemon {
 
   std::shared_ptr<const Config> config_;
   const LastGood last_good_;
-  std::string trouble_;  // why config_ is not the content of the file; empty: it is
+  std::string trouble_;   // why config_ is not the content of the file; empty: it is
   std::string not_kept_;  // why config_ could not be stored; empty: it is
   std::uint64_t reloads_ = 0;
   std::thread reader_;  // joinable during a reload

@@ -20,7 +20,7 @@
 #include <sstream>
 
 #include "daemon/commands/commands.h"
-#include "daemon/commands/inspect_survey.h"
+#include "daemon/offline/survey.h"
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/pipeline/report.h"
 #include "drivers/capture/pcap_source.h"

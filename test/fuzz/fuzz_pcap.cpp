@@ -6,7 +6,7 @@
 // in single bytes; -max_len=65536.
 #include <cstdlib>
 
-#include "daemon/commands/inspect_survey.h"
+#include "daemon/offline/survey.h"
 #include "daemon/config/config.h"
 #include "test/drivers/capture/pcap_testing.h"
 

@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "daemon/commands/commands.h"
-#include "daemon/commands/inspect_survey.h"
+#include "daemon/offline/survey.h"
 #include "daemon/config/config.h"
 #include "drivers/capture/pcap_source.h"
 #include "drivers/capture/pcap_writer.h"

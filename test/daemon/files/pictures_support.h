@@ -19,7 +19,7 @@
 #include <vector>
 
 #include "daemon/commands/commands.h"
-#include "daemon/commands/inspect_survey.h"
+#include "daemon/offline/survey.h"
 #include "daemon/files/snapshot_view.h"
 #include "test/support/captures.h"
 

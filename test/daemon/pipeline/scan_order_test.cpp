@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include "daemon/commands/player.h"
+#include "daemon/offline/player.h"
 #include "daemon/pipeline/frame_tree.h"
 #include "test/sim/servers/scene_file.h"
 #include "test/sim/servers/simulate.h"

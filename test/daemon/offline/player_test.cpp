@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/commands/player.h"
+#include "daemon/offline/player.h"
 
 #include <gtest/gtest.h>
 
