@@ -34,6 +34,7 @@ ROOMS = {
     "daemon/live": ["daemon/pipeline"],
     "daemon/files": ["daemon/pipeline"],
     "daemon/offline": ["daemon/files"],
+    "daemon/python": ["daemon/offline"],
     "daemon/ros/master": ["daemon/live"],
     "daemon/ros/messages": ["daemon/pipeline"],
     "daemon/ros/velodyne": ["daemon/ros/messages"],
@@ -67,7 +68,7 @@ FORBIDDEN = {
     "daemon": r"test/",
     "daemon/pipeline": "|".join([ROS, r"boost/asio|boost/beast|sys/socket|netinet/|arpa/|yaml-cpp", THREADS_AND_CLOCKS]),
 }
-ONLY_IN = {"yaml-cpp": ["daemon/config"], ROS: [room for room in ROOMS if room.startswith("daemon/ros")] + ["daemon/dropin", "daemon/commands"]}
+ONLY_IN = {"yaml-cpp": ["daemon/config"], "pybind11/": ["daemon/python"], ROS: [room for room in ROOMS if room.startswith("daemon/ros")] + ["daemon/dropin", "daemon/commands"]}
 HEAVY_IN_HEADERS = "|".join([ROS, r"pcl/|spdlog"])
 # Words that names and comments do not use, and what they say instead; a text in quotes may have them.
 WORDS = {
