@@ -71,8 +71,8 @@ class Cloud(Frame):
     points: structured array with the fields x y z (m, sensor's frame, x ahead, y left), intensity, ring (0 is the
         lowest) and time (s after `stamp`; a merged cloud also has `sensor`, the place among its sources). Shape (n,), or
         (rows, columns) where a configuration organises clouds. It is the decoder's own memory, which the array keeps.
-        `stamp + time` follows the smoothed clock of the device; the column stamp_ns of `lidard decode --format csv`
-        is by the arrival of each packet and differs by its jitter, up to 15 ms. open(clock="arrival") equals it.
+        `stamp + time` follows the clock of the device; the column stamp_ns of `lidard decode --format csv` is by the
+        arrival of each packet and differs by its jitter, up to 15 ms. columns["stamp_ns"] of open(clock="arrival") has it.
     columns: structured array, one element per firing: first_point (index of its first return), packet, block, echo
         (number of the return that it has), azimuth (rad, as the sensor counts it), stamp_ns. Empty if not known.
     complete: False if the begin or end of the capture cut the revolution.
