@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-FileCopyrightText: 2026 the lidard authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""python_speed.py BUILD CAPTURE... [--size MB]: points per second of the Python package on captures looped to
+"""python_speed.py BUILD CAPTURE... [--size MB]: points per second of processor time of the Python package on captures looped to
 `size`, beside the target plain_decode of the build where it is there, and velodyne_decoder where it can be imported; medians of 5
 processes in turn, and peaks of memory."""
 import argparse
@@ -15,10 +15,10 @@ import tempfile
 
 RUNS = 5
 BEGIN = "import sys, time, resource; capture = sys.argv[1]; n = 0; "
-END = "\ntook = time.monotonic() - begin; print(n, took, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1000)"
+END = "\ntook = time.process_time() - begin; print(n, took, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1000)"
 READERS = {
-    "lidard": BEGIN + "import lidard; begin = time.monotonic()\nfor frame in lidard.open(capture): n += frame.points.size" + END,
-    "velodyne_decoder": BEGIN + "import velodyne_decoder as vd; begin = time.monotonic()\nfor _, points in vd.read_pcap(capture, as_pcl_structs=True): n += len(points)" + END,
+    "lidard": BEGIN + "import lidard; begin = time.process_time()\nfor frame in lidard.open(capture): n += frame.points.size" + END,
+    "velodyne_decoder": BEGIN + "import velodyne_decoder as vd; begin = time.process_time()\nfor _, points in vd.read_pcap(capture, as_pcl_structs=True): n += len(points)" + END,
 }
 
 
