@@ -36,12 +36,12 @@ py::tuple to_python(const Frame& frame, std::unique_ptr<PlanarScan> data) {
   PlanarScan& scan = *data;
   const py::capsule owner = capsule_of(std::move(data));
   const std::vector<std::size_t> shape{scan.echoes, scan.beams};
+  // With strides, since pybind11 before 2.12 would read them where numpy 2 has other things.
   const auto array = [&](auto& values) {
     using Value = std::decay_t<decltype(values[0])>;
-    if constexpr (std::is_same_v<Value, BeamStatus>)
-      return py::array(py::dtype::of<std::uint8_t>(), shape, values.data(), owner);
-    else
-      return py::array(py::dtype::of<Value>(), shape, values.data(), owner);
+    using Number = std::conditional_t<std::is_enum_v<Value>, std::uint8_t, Value>;
+    const std::vector<std::size_t> strides{scan.beams * sizeof(Value), sizeof(Value)};
+    return py::array(py::dtype::of<Number>(), shape, strides, values.data(), owner);
   };
   py::object intensities = py::none();
   if (!scan.intensities.empty()) intensities = array(scan.intensities);
@@ -55,7 +55,7 @@ py::tuple to_python(const Frame& frame, CloudFrame cloud) {
   CloudMemory& memory = *cloud.memory;
   const py::capsule owner = capsule_of(std::move(cloud.memory));
   const auto bytes = [&](void* begin, std::size_t size) {
-    return py::array(py::dtype::of<std::uint8_t>(), {size}, begin, owner);
+    return py::array(py::dtype::of<std::uint8_t>(), {size}, {std::size_t{1}}, begin, owner);
   };
   return py::make_tuple("cloud", frame.sensor, frame.topic, cloud.frame_id, cloud.stamp.ns, cloud.complete,
                         cloud.has_sensors, cloud.height, bytes(memory.points.data(), memory.points.size()),

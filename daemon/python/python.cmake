@@ -15,6 +15,6 @@ target_compile_definitions(lidard_python PRIVATE LIDARD_VERSION="${PROJECT_VERSI
 set_target_properties(lidard_python PROPERTIES OUTPUT_NAME _lidard LIBRARY_OUTPUT_DIRECTORY ${package})
 # Other libraries of a Python process do not see ours.
 target_link_options(lidard_python PRIVATE LINKER:--as-needed LINKER:--exclude-libs,ALL)
-foreach(file __init__.py _lidard.pyi py.typed)
+foreach(file __init__.py py.typed)
   configure_file(${CMAKE_CURRENT_LIST_DIR}/lidard/${file} ${package}/${file} COPYONLY)
 endforeach()

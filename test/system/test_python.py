@@ -11,6 +11,7 @@ import json
 import os
 import pathlib
 import pickle
+import re
 import struct
 import subprocess
 import sys
@@ -192,6 +193,17 @@ def live():
     expect(driver.state["data_packets"] > 0, f"{driver.state}")
 
 
+def manual(tmp):
+    """Each block of the page runs; that which draws needs matplotlib."""
+    for name in ("pcaps", "config"):
+        (tmp / name).symlink_to(ROOT / name)
+    for block in re.findall(r"^```python\n(.*?)^```", (ROOT / "config/doc/python.md").read_text(), re.S | re.M):
+        done = subprocess.run([sys.executable, "-c", block], cwd=tmp, env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path[:1])},
+                              capture_output=True, text=True, check=False)
+        expect(done.returncode == 0 or "No module named 'matplotlib'" in done.stderr, f"{block}{done.stderr}")
+    expect((tmp / "cloud.pcd").stat().st_size > 100_000, "the PCD file of the page")
+
+
 def later_sensor(tmp):
     """A sensor that begins to send after the begin of the capture, which is surveyed first."""
     now, later = [], []
@@ -223,6 +235,7 @@ def main():
         errors(tmp)
         live()
         later_sensor(tmp)
+        manual(tmp)
         expect(lidard.models() == json.loads(run("models", "--json").stdout), "models")
         expect(lidard.inspect(DEMO) == json.loads(run("inspect", "--json", DEMO).stdout), "inspect")
         expect(lidard.check(ROOT / "config/demo.yaml")["outputs"][0]["free_percent"] > 0, "check")
