@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/python/frame_source.h"
 
-#include <stdexcept>
 #include <utility>
 
 namespace lidard::python {
@@ -46,10 +45,7 @@ std::optional<Frame> FrameSource::next() {
   constexpr int most_packets = 50'000;
   const std::lock_guard lock(mutex_);
   for (int i = 0; frames_.empty() && !ended_ && i < most_packets; ++i) ended_ = !advance();
-  if (frames_.empty()) {
-    if (ended_ && !error_.empty()) throw std::runtime_error(std::exchange(error_, {}));
-    return std::nullopt;
-  }
+  if (frames_.empty()) return std::nullopt;
   std::optional<Frame> frame(std::move(frames_.front()));
   frames_.pop_front();
   return frame;
@@ -63,6 +59,11 @@ bool FrameSource::ended() const {
 std::vector<std::string> FrameSource::new_warnings() {
   const std::lock_guard lock(mutex_);
   return std::exchange(warnings_, {});
+}
+
+std::string FrameSource::new_error() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(error_, {});
 }
 
 std::string FrameSource::sensors() const {

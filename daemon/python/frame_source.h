@@ -54,6 +54,8 @@ class FrameSource {
   bool ended() const;
   /// Sentences on the capture since the last call.
   std::vector<std::string> new_warnings();
+  /// Why not all frames came, once; empty: all did.
+  std::string new_error();
   /// JSON: what came from each sensor so far.
   std::string sensors() const;
   /// Ends the iteration, and frees what it needs.
@@ -74,7 +76,7 @@ class FrameSource {
 
   mutable std::mutex mutex_;
   std::vector<std::string> warnings_;
-  std::string error_;  ///< why not all frames came, reported behind the last one; empty: all did
+  std::string error_;
 
  private:
   std::deque<Frame> frames_;

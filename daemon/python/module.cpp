@@ -72,18 +72,18 @@ py::list to_python(std::deque<Frame> frames) {
   return list;
 }
 
-/// Shows the source's sentences as Python warnings, at the line that called the package.
-void warn(FrameSource& source) {
-  for (const std::string& sentence : source.new_warnings()) {
-    if (PyErr_WarnEx(PyExc_UserWarning, sentence.c_str(), 2) != 0) throw py::error_already_set();
-  }
-}
-
 /// Calls with the lock of Python free: another thread that waits for the source needs it.
 template <class Call>
 auto unlocked(const Call& call) {
   const py::gil_scoped_release unlock;
   return call();
+}
+
+/// Shows the source's sentences as Python warnings, at the line that called the package.
+void warn(FrameSource& source) {
+  for (const std::string& sentence : unlocked([&] { return source.new_warnings(); })) {
+    if (PyErr_WarnEx(PyExc_UserWarning, sentence.c_str(), 2) != 0) throw py::error_already_set();
+  }
 }
 
 py::object next(FrameSource& source) {
@@ -93,6 +93,8 @@ py::object next(FrameSource& source) {
     if (PyErr_CheckSignals() != 0) throw py::error_already_set();
     if (!unlocked([&] { return source.ended(); })) continue;
     warn(source);
+    const std::string error = unlocked([&] { return source.new_error(); });
+    if (!error.empty()) throw std::runtime_error(error);
     return py::none();
   }
 }

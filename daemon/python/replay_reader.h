@@ -15,7 +15,7 @@ namespace lidard::python {
 class ReplayReader final : public FrameSource, public FrameSink {
  public:
   /// `topics`: what is made; empty: everything. `motion`: a table, or empty. Throws ConfigError and
-  /// std::runtime_error. At the end next() throws if an output never came.
+  /// std::runtime_error. At the end new_error() says which output never came.
   ReplayReader(Config config, const std::vector<std::string>& captures, const std::string& motion,
                std::set<std::string> topics);
 

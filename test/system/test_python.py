@@ -225,7 +225,8 @@ def main():
         os.dup2(os.open(tmp / "stdout", os.O_CREAT | os.O_WRONLY), 1)
         count = sum(map(equals_decode, captures))
         driving = tmp / "driving.yaml"
-        driving.write_text((ROOT / "config/demo.yaml").read_text().replace("vehicle:\n", "vehicle:\n  odometry_frame: odom\n"))
+        driving.write_text((ROOT / "config/demo.yaml").read_text().replace("vehicle:\n", "vehicle:\n  odometry_frame: odom\n")
+                           .replace("  roof:\n", "  roof:\n    filter: {outlier_radius: 0.5, outlier_neighbours: 3}\n"))
         table = tmp / "motion.csv"
         begin = next(lidard.open(DEMO)).stamp - 1
         table.write_text("stamp,x,y,yaw\n" + "".join(f"{begin + i / 50:.6f},{i / 10},{i / 50},{i / 200}\n" for i in range(500)))
