@@ -84,4 +84,5 @@ def main():
                 print(f"{capture.name}  {name}: {runs[0][0]:.0f} points, {speed:.1f} M points/s, {max(r[2] for r in runs):.0f} MB")
 
 
-main()
+if __name__ == "__main__":
+    main()
