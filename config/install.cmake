@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the lidard authors
 # SPDX-License-Identifier: BSD-3-Clause
 # `cmake --install build --prefix ANYWHERE` needs no root. Paths that stand inside files follow the prefix given there.
-# A component is a Debian package, see package/package.cmake: lidard, pcl, sim, dev.
+# A component is a Debian package, see package/package.cmake: lidard, pcl, python, sim, dev.
 set(share ${CMAKE_INSTALL_DATADIR}/lidard)
 set(config ${CMAKE_CURRENT_SOURCE_DIR}/config)
 set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME lidard)
@@ -17,6 +17,11 @@ if(TARGET lidard-sim)
   install(FILES test/sim/lidard-sim.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT sim)
   install(FILES pcaps/README.md DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/lidard-sim COMPONENT sim)
   install(FILES pcaps/demo.scene.yaml DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/lidard-sim/examples COMPONENT sim)
+endif()
+if(TARGET lidard_python)
+  set(python_folder lib/python3/dist-packages/lidard)
+  install(TARGETS lidard_python LIBRARY DESTINATION ${python_folder} COMPONENT python OPTIONAL)
+  install(DIRECTORY daemon/python/lidard/ DESTINATION ${python_folder} COMPONENT python PATTERN __pycache__ EXCLUDE)
 endif()
 install(PROGRAMS daemon/dropin/read_launch.py DESTINATION lib/lidard)
 # rosrun and roslaunch look for a package's executables under lib/<package> of /usr and of catkin workspaces, elsewhere

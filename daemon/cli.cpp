@@ -285,12 +285,7 @@ struct Commands {
   }
   int start_decode() {
     if (!source.empty()) {
-      const auto colon = source.find(':');
-      const bool has_port = colon != std::string::npos && source.find(':', colon + 1) == std::string::npos;
-      decode.source = IpAddress::parse(has_port ? source.substr(0, colon) : source);
-      const bool port_ok =
-          !has_port || CLI::detail::lexical_cast(source.substr(colon + 1), decode.source_port);
-      if (!decode.source || !port_ok) {
+      if (!decode.parse_source(source)) {
         std::cerr << "--source: '" << source
                   << "' is not an address; expected IP or IP:PORT, e.g. 192.168.1.201\n";
         return exit_usage;

@@ -93,13 +93,13 @@ set(endurance test_bad_packet test_black_box_hour test_bursts test_noise test_pa
 set(long test_network_silence test_watchdog test_node_name test_network_changes test_fault_table test_velodyne_control
          test_clock_step test_package)
 # These compute, too.
-set(busy test_bad_packet test_decode test_import test_inspect test_package)
+set(busy test_bad_packet test_decode test_import test_inspect test_package test_python)
 file(GLOB system_tests CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/test/system/test_*.py)
 foreach(script ${system_tests})
   get_filename_component(name ${script} NAME_WE)
   add_test(NAME system.${name} COMMAND /usr/bin/python3 ${script})
   set_tests_properties(system.${name} PROPERTIES TIMEOUT ${limit} SKIP_RETURN_CODE 77
-    ENVIRONMENT "LIDARD=$<TARGET_FILE:lidard>;LIDARD_SIM=$<TARGET_FILE:lidard-sim>;LIDARD_CLOCK_SHIM=$<TARGET_FILE:clock_shim>;LIDARD_SOURCE_DIR=${CMAKE_CURRENT_SOURCE_DIR}")
+    ENVIRONMENT "LIDARD=$<TARGET_FILE:lidard>;LIDARD_SIM=$<TARGET_FILE:lidard-sim>;LIDARD_CLOCK_SHIM=$<TARGET_FILE:clock_shim>;LIDARD_PYTHON=${CMAKE_BINARY_DIR}/python;LIDARD_SOURCE_DIR=${CMAKE_CURRENT_SOURCE_DIR}")
   if(name IN_LIST long)
     set_tests_properties(system.${name} PROPERTIES COST 1000)
   endif()

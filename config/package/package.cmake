@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the lidard authors
 # SPDX-License-Identifier: BSD-3-Clause
-# `cpack -G DEB` in the build folder makes the Debian packages: lidard, lidard-pcl, liblidard-dev, lidard-sim (where the
-# simulator is built), and the debug symbols of each. What runs on a vehicle is lidard alone.
+# `cpack -G DEB` in the build folder makes the Debian packages: lidard, lidard-pcl, python3-lidard (where it is built),
+# liblidard-dev, lidard-sim (where the simulator is built), and the debug symbols of each. What runs on a vehicle is lidard alone.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME lidard)
 set(CPACK_PACKAGE_VENDOR "the lidard authors")
@@ -16,6 +16,9 @@ set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS
 set(CPACK_COMPONENTS_ALL lidard dev)
 if(TARGET lidard_pcl)
   list(APPEND CPACK_COMPONENTS_ALL pcl)
+endif()
+if(TARGET lidard_python)
+  list(APPEND CPACK_COMPONENTS_ALL python)
 endif()
 if(TARGET lidard-sim)
   list(APPEND CPACK_COMPONENTS_ALL sim)
@@ -59,6 +62,19 @@ This package writes PCD files (lidard decode --format pcd) and removes
 outliers from clouds. It is apart since the Point Cloud Library of Debian
 brings VTK, which no vehicle needs.")
 set(CPACK_DEBIAN_PCL_PACKAGE_DEPENDS "lidard (= ${PROJECT_VERSION})")
+
+set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-lidard)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+set(CPACK_DEBIAN_PYTHON_DESCRIPTION "captures of lidars as numpy arrays
+${family}
+
+This package reads captures in Python, and makes the merged and virtual scans
+of a configuration, without the daemon and without ROS.")
+# An extension module is for one minor version of Python.
+math(EXPR next_python "0${Python3_VERSION_MINOR} + 1")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
+    "python3 (>= 3.${Python3_VERSION_MINOR}~), python3 (<< 3.${next_python}), python3-numpy")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "lidard, python3-matplotlib")
 
 set(CPACK_DEBIAN_SIM_PACKAGE_NAME lidard-sim)
 set(CPACK_DEBIAN_SIM_PACKAGE_SECTION misc)

@@ -81,6 +81,13 @@ bool beam_is_consistent(const PlanarScan& scan, std::size_t i) {
 
 }  // namespace
 
+void encode_ranges(const PlanarScan& scan, float* ranges) {
+  for (std::size_t b = 0; b < scan.beams; ++b) {
+    if (scan.statuses[b] == BeamStatus::none) ranges[b] = scan.none_as;
+    if (scan.statuses[b] == BeamStatus::invalid) ranges[b] = scan.invalid_as;
+  }
+}
+
 const char* violation(const PlanarScan& scan) {
   const std::size_t n = scan.beams * scan.echoes;
   if (scan.beams < 1 || scan.echoes < 1) return "no beams";

@@ -117,6 +117,10 @@ struct PlanarScan {
   }
 };
 
+/// Writes what messages hold for beams of the first echo without a hit to `ranges`, which has those of
+/// `scan`.
+void encode_ranges(const PlanarScan& scan, float* ranges);
+
 /// What is wrong with `scan` in a few words, or nullptr if all invariants hold.
 const char* violation(const PlanarScan& scan);
 

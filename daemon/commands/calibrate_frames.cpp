@@ -6,7 +6,7 @@
 
 #include "core/evidence/beam_rays.h"
 #include "daemon/commands/calibrate.h"
-#include "daemon/commands/player.h"
+#include "daemon/offline/player.h"
 #include "daemon/ros/in/bag_topics.h"
 #include "daemon/ros/in/tf_poses.h"
 #include "daemon/ros/messages/convert.h"
@@ -163,7 +163,7 @@ void add_topics(const std::string& path, std::vector<CalibratedSensor>& sensors,
 Drive read_drive(const std::string& path, const VehicleConfig& vehicle) {
   std::vector<OdometryPose> poses;
   Stamp begin;
-  for (const auto& [stamp, pose] : BagPoses(path, vehicle).track()) {
+  for (const auto& [stamp, pose] : open_motion(path, vehicle)->track()) {
     if (poses.empty()) begin = stamp;
     const double time = seconds(stamp - begin);
     if (poses.empty() || time > poses.back().time)
@@ -186,7 +186,7 @@ std::vector<CalibratedSensor> play_calibrated(const CalibrateOptions& options, c
   if (!options.bag.empty()) add_topics(options.bag, sensors, collector);
   MergedCapture capture(options.captures);
   const Config played = bare(config);
-  BagPoses no_motion("", played.vehicle);
+  NoTransforms no_motion;
   Pipeline pipeline(played, no_motion, collector);
   ReplayOptions fast;
   fast.rate = 0;

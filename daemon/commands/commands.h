@@ -12,6 +12,8 @@
 #include "core/base/time.h"
 #include "daemon/config/config.h"
 #include "daemon/files/frame_writer.h"
+#include "daemon/offline/choice.h"
+#include "daemon/offline/player.h"
 #include "daemon/ros/master/environment.h"
 #include "drivers/address.h"
 
@@ -33,6 +35,8 @@ int guarded(std::ostream& err, const Command& command) {
     return fail(why, exit_config);
   } catch (const RosError& why) {
     return fail(why, exit_usage);
+  } catch (const UsageError& why) {
+    return fail(why, exit_usage);
   } catch (const std::exception& why) {
     return fail(why, exit_failed);
   }
@@ -46,15 +50,9 @@ int run_check(const std::string& file, std::ostream& out, std::ostream& err);
 int run_check_ports(const std::string& file, std::ostream& out, std::ostream& err);
 
 /// Options of `lidard decode`.
-struct DecodeOptions {
+struct DecodeOptions : CaptureChoice {
   std::string capture;
-  std::string model;                ///< empty: from the packets
-  std::optional<IpAddress> source;  ///< only packets from this sender
-  std::uint16_t source_port = 0;    ///< 0: any
-  std::uint16_t port = 0;           ///< destination port; 0: any
-  std::string calibration;          ///< file; empty: that of the model or the device
-  std::string calibration_model;    ///< ros_drivers, exact or veloview; empty: the file's default
-  std::string format = "csv";       ///< csv, json or pcd
+  std::string format = "csv";  ///< csv, json or pcd
   std::string output = "-";
   std::optional<std::uint64_t> frame;  ///< only this frame
   ClockMode clock = ClockMode::arrival;
@@ -94,17 +92,11 @@ std::string capture_filter(const Config& config);
 int run_record(const RecordOptions& options, std::ostream& err);
 
 /// Options of `lidard replay`.
-struct ReplayOptions {
-  std::string config;                              ///< empty: the sensors that are found in the captures
-  std::vector<std::string> captures;               ///< and bags
-  std::vector<std::string> bags = {};              ///< taken out of the captures
-  double rate = 1;                                 ///< of the recorded pace; 0: as fast as possible
-  bool loop = false;                               ///< repeats the captures with continuous stamps
-  double start = 0;                                ///< s into the capture
-  double duration = -1;                            ///< s; negative: to the end
-  double wait = 0;                                 ///< s between advertising the topics and the first frame
-  bool restamp = false;                            ///< shifts stamps so that the first packet comes now
-  Span loop_gap = std::chrono::milliseconds(100);  ///< between the last packet of a round and the next round
+struct ReplayOptions : PlayOptions {
+  std::string config;                  ///< empty: the sensors that are found in the captures
+  std::vector<std::string> captures;   ///< and bags
+  std::vector<std::string> bags = {};  ///< taken out of the captures
+  double wait = 0;                     ///< s between advertising the topics and the first frame
   RosOptions ros;
   std::string bag;     ///< output file instead of ROS
   std::string motion;  ///< a bag with the vehicle's motion (tf or odometry); empty: see `bags`, or live

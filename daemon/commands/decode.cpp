@@ -5,46 +5,14 @@
 
 #include "core/base/number_text.h"
 #include "daemon/commands/commands.h"
-#include "daemon/commands/inspect_survey.h"
-#include "daemon/commands/progress.h"
-#include "daemon/config/calibration_file.h"
 #include "daemon/health/report.h"
+#include "daemon/offline/choice.h"
+#include "daemon/offline/progress.h"
 #include "drivers/capture/pcap_source.h"
 #include "drivers/flow.h"
-#include "drivers/registry/nearest_models.h"
-#include "drivers/registry/registry.h"
 
 namespace lidard {
 namespace {
-
-/// True if the packet is of the requested sender and port; the port of a connection is the device's.
-bool is_wanted(const Packet& packet, const DecodeOptions& options) {
-  if (options.source && packet.from.address != *options.source) return false;
-  if (options.source_port != 0 && packet.from.port != options.source_port) return false;
-  return options.port == 0 || flow_of(packet).port == options.port;
-}
-
-std::string text_of(const FoundSensor& sensor) {
-  return std::string(sensor.model->name) + " " + sensor.data.to_string();
-}
-
-/// The sensor to decode. Throws std::runtime_error if there is none, or there are several.
-FoundSensor choose_sensor(const DecodeOptions& options, const Model* model, std::ostream& err) {
-  const auto wanted = [&](const Packet& packet) { return is_wanted(packet, options); };
-  Survey found = survey({options.capture}, {model, wanted, true});
-  const bool is_elsewhere = found.sensors.empty();
-  if (is_elsewhere)
-    found = survey_of_sensors({options.capture}, err, {model, {}, true});
-  else if (!found.captures[0].error.empty())
-    err << found.captures[0].error << '\n';
-  if (found.sensors.size() == 1 && !is_elsewhere) return std::move(found.sensors.front());
-  std::string others = options.capture + ": " +
-                       (is_elsewhere ? "no lidar's packets with this --source and --port, but there are:"
-                                     : std::to_string(found.sensors.size()) +
-                                           " sensors found; choose one with --source and --port:");
-  for (const FoundSensor& sensor : found.sensors) others += "\n  " + text_of(sensor);
-  throw std::runtime_error(others);
-}
 
 class WriterOutput final : public DriverOutput {
  public:
@@ -82,40 +50,6 @@ std::unique_ptr<FrameWriter> make_writer(const DecodeOptions& options) {
   return make_csv_writer(options.output, options.stamps);
 }
 
-using CalibrationPtr = std::shared_ptr<const Calibration>;
-
-/// The requested calibration, if any; throws ConfigError.
-CalibrationPtr read_calibration(const DecodeOptions& options, std::ostream& err) {
-  if (options.calibration.empty()) return nullptr;
-  std::vector<std::string> warnings;
-  auto calibration = std::make_shared<Calibration>(load_calibration(options.calibration, warnings));
-  for (const std::string& warning : warnings) err << "note: " << warning << '\n';
-  return calibration;
-}
-
-/// The model's table with the requested equations, if no file is given; nullptr: the driver's default.
-CalibrationPtr table_calibration(const DecodeOptions& options, const Model& model) {
-  if (options.calibration_model != "ros_drivers") return nullptr;
-  if (!model.has(Trait::calibration) || needs_own_calibration(model))
-    throw ConfigError("--calibration-model ros_drivers: " + std::string(model.product) +
-                      " has no table of its own for it; expected --calibration FILE");
-  return std::make_shared<Calibration>(table_calibration(model));
-}
-
-/// The calibration with the requested or default equations; throws ConfigError if it does not fit the model.
-CalibrationPtr settle_calibration(const DecodeOptions& options, const Calibration& calibration,
-                                  const Model& model, std::ostream& err) {
-  const std::string rejection = calibration_rejection(calibration, model);
-  if (!rejection.empty())
-    throw ConfigError(options.calibration + ": " + rejection + "; expected the calibration of this sensor");
-  const std::string warning = calibration_warning(calibration, model);
-  if (!warning.empty()) err << "note: " << options.calibration << ": " << warning << '\n';
-  auto settled = std::make_shared<Calibration>(calibration);
-  settled->model =
-      calibration_model_of(options.calibration_model).value_or(usual_equations(calibration, model));
-  return settled;
-}
-
 /// Prints the table at the end; false if there was no return or not the requested frame.
 bool print_report(const DecodeOptions& options, const WriterOutput& output, const FoundSensor& sensor,
                   std::ostream& err) {
@@ -142,10 +76,7 @@ void show(Progress& progress, const PcapSource& source, const WriterOutput& outp
 int decode_sensor(const DecodeOptions& options, const FoundSensor& sensor, CalibrationPtr calibration,
                   std::ostream& err) {
   const Model& model = *sensor.model;
-  if (calibration != nullptr)
-    calibration = settle_calibration(options, *calibration, model, err);
-  else
-    calibration = table_calibration(options, model);
+  calibration = calibration_for(options, calibration, model, err);
   if (!sensor.data.remark.empty()) err << options.capture << ": note: " << sensor.data.remark << '\n';
   DriverConfig config;
   config.model = &model;
@@ -192,20 +123,12 @@ int run_decode(const DecodeOptions& options, std::ostream& err) {
         << "' is a pattern for a file per frame, which --format pcd alone has\n";
     return exit_usage;
   }
-  const Model* model = nullptr;
-  if (!options.model.empty()) {
-    model = find_model(options.model);
-    if (model == nullptr) {
-      err << "--model: unknown model '" << options.model << "'; expected one of `lidard models`";
-      const auto near = nearest_models(options.model);
-      if (!near.empty()) err << ", perhaps " << near.front();
-      err << '\n';
-      return exit_usage;
-    }
-  }
   return guarded(err, [&] {
+    model_of(options);
     auto calibration = read_calibration(options, err);
-    return decode_sensor(options, choose_sensor(options, model, err), std::move(calibration), err);
+    const Survey found = survey_of_choice({options.capture}, options, err);
+    check_single({options.capture}, found.sensors);
+    return decode_sensor(options, found.sensors.front(), std::move(calibration), err);
   });
 }
 

@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include "core/base/angle.h"
-#include "daemon/commands/field_sight.h"
+#include "daemon/offline/field_sight.h"
 
 namespace lidard {
 namespace {

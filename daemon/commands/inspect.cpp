@@ -6,10 +6,10 @@
 
 #include "core/base/number_text.h"
 #include "daemon/commands/commands.h"
-#include "daemon/commands/inspect_survey.h"
 #include "daemon/files/text_table.h"
 #include "daemon/health/reception_verdict.h"
 #include "daemon/health/report.h"
+#include "daemon/offline/survey_json.h"
 #include "daemon/ros/in/bag_topics.h"
 #include "drivers/document.h"
 
@@ -60,81 +60,6 @@ void print_remarks(const FoundSensor& sensor, std::ostream& out) {
   remark(troubles);
   if (sensor.counters.rejected_total() > 0) remark("rejected " + rejected_text(sensor.counters));
   for (const std::string& warning : sensor.info.warnings) remark(warning);
-}
-
-template <class Owner, std::size_t n>
-void put(const NamedCounter<Owner> (&counters)[n], const Owner& owner, Json& out) {
-  for (const auto& counter : counters) out[counter.key] = owner.*counter.value;
-}
-
-Json json_of(const SurveyedCapture& capture) {
-  Json out{{"file", capture.file}, {"error", nullptr}};
-  if (!capture.error.empty()) out["error"] = capture.error;
-  put(capture_counts, capture.counters, out);
-  put(tcp_counts, capture.counters.tcp, out);
-  put(capture_losses, capture.counters, out);
-  put(tcp_losses, capture.counters.tcp, out);
-  if (capture.first) {
-    out["first_ns"] = capture.first->ns;
-    out["last_ns"] = capture.last->ns;
-  }
-  return out;
-}
-
-Json json_of(const SeenFlow& flow) {
-  Json destinations = Json::array();
-  for (const IpAddress& destination : flow.destinations) destinations.push_back(destination.to_string());
-  Json out{{"transport", flow.transport == Transport::tcp ? "tcp" : "udp"},
-           {"sender", flow.address.to_string()},
-           {"source_port", flow.source_port},
-           {"destinations", destinations},
-           {"port", flow.port},
-           {"packets", flow.packets},
-           {"bytes", flow.bytes},
-           {"smallest", flow.smallest},
-           {"largest", flow.largest},
-           {"rate_hz", flow.rate()},
-           {"duration_s", flow.duration()},
-           {"first_ns", flow.first.ns},
-           {"last_ns", flow.last.ns}};
-  if (!flow.remark.empty()) out["remark"] = flow.remark;
-  return out;
-}
-
-Json json_of(const FoundSensor& sensor) {
-  const Counters& c = sensor.counters;
-  Json out{{"name", sensor.name},
-           {"model", sensor.model->name},
-           {"vendor", sensor.model->vendor},
-           {"product", sensor.model->product},
-           {"protocol", sensor.model->protocol},
-           {"others", Json::array()}};
-  for (const Model* other : sensor.others) out["others"].push_back(other->name);
-  out.update(json_of(sensor.data));
-  if (sensor.telemetry) out["telemetry"] = json_of(*sensor.telemetry);
-  out["rate_hz"] = sensor.rate();
-  out["frame_rate_hz"] = sensor.frame_rate();
-  put(usual_counters, c, out);
-  put(trouble_counters, c, out);
-  out["rejected"] = Json::object();
-  for (std::size_t i = 1; i < reject_reasons; ++i)
-    out["rejected"][to_string(static_cast<Reject>(i))] = c.rejected[i];
-  out["rejected_packets"] = c.rejected_total();
-  out["serial"] = sensor.info.serial.empty() ? Json() : Json(sensor.info.serial);
-  out["details"] = Json::object();
-  for (const auto& [key, value] : sensor.info.details) out["details"][key] = value;
-  out["warnings"] = sensor.info.warnings;
-  return out;
-}
-
-Json json_of(const Survey& survey) {
-  Json all{{"captures", Json::array()}, {"sensors", Json::array()}, {"unknown", Json::array()}};
-  for (const SurveyedCapture& capture : survey.captures) all["captures"].push_back(json_of(capture));
-  for (const FoundSensor& sensor : survey.sensors) all["sensors"].push_back(json_of(sensor));
-  for (const SeenFlow& flow : survey.unknown) all["unknown"].push_back(json_of(flow));
-  all["uncounted"] = survey.uncounted;
-  all["config"] = survey.sensors.empty() ? Json() : Json(config_of(survey));
-  return all;
 }
 
 void print_sensors(const Survey& survey, const Json& list, std::ostream& out) {

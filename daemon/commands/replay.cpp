@@ -14,11 +14,11 @@
 #include <utility>
 
 #include "daemon/commands/commands.h"
-#include "daemon/commands/inspect_survey.h"
-#include "daemon/commands/player.h"
 #include "daemon/commands/stop_signal.h"
 #include "daemon/health/pipeline_health.h"
 #include "daemon/health/report.h"
+#include "daemon/offline/player.h"
+#include "daemon/offline/survey.h"
 #include "daemon/ros/in/bag_topics.h"
 #include "daemon/ros/in/tf_poses.h"
 #include "daemon/ros/master/environment.h"
@@ -111,12 +111,12 @@ int into_bag(const ReplayOptions& options, const Config& config, MergedCapture& 
   if (std::filesystem::is_regular_file(options.bag))
     throw std::runtime_error(options.bag + " is there already; remove it, or name another file");
   BagSink sink(options.bag);
-  BagPoses motion(motion_of(options), config.vehicle);
-  Replay replay(options, config, capture, sink, motion);
+  const auto motion = open_motion(motion_of(options), config.vehicle);
+  Replay replay(options, config, capture, sink, *motion);
   bool first = true;
   const auto on_time = [&](Stamp now) {
     if (std::exchange(first, false)) sink.outline(config.vehicle, now);
-    motion.feed(replay.pipeline, now);
+    motion->feed(replay.pipeline, now);
   };
   const bool complete = replay.play(on_time, out, err);
   sink.close();
@@ -144,8 +144,8 @@ int into_ros(const ReplayOptions& options, const Config& config, MergedCapture& 
   const auto more_may_come = boost::asio::make_work_guard(messages);
   RosSession session(config, ros);
   // What was recorded, recorded poses belong to; live ones are of another time.
-  std::optional<BagPoses> recorded;
-  if (!motion_of(options).empty()) recorded.emplace(motion_of(options), config.vehicle);
+  std::unique_ptr<RecordedMotion> recorded;
+  if (!motion_of(options).empty()) recorded = open_motion(motion_of(options), config.vehicle);
   Replay replay(options, config, capture, session.sink(),
                 recorded ? static_cast<TransformSource&>(*recorded) : session.poses());
   session.feed(config, [&](const std::string&, auto task) {

@@ -10,11 +10,11 @@
 #include "core/base/number_text.h"
 #include "daemon/commands/commands.h"
 #include "daemon/commands/field_views.h"
-#include "daemon/commands/inspect_survey.h"
-#include "daemon/commands/player.h"
 #include "daemon/files/snapshot_view.h"
 #include "daemon/files/text_file.h"
 #include "daemon/health/report.h"
+#include "daemon/offline/player.h"
+#include "daemon/offline/survey.h"
 #include "daemon/ros/in/tf_poses.h"
 
 namespace lidard {
@@ -86,7 +86,7 @@ Scene configured(const std::string& file, std::ostream& err) {
 /// sensor has a frame. Returns the seconds played; the keeper has the frames. Frames that the end of play
 /// cuts off do not count, unless requested.
 double play(std::optional<double> at, double length, const Scene& scene, MergedCapture& capture,
-            BagPoses& motion, FrameKeeper& keeper) {
+            RecordedMotion& motion, FrameKeeper& keeper) {
   Pipeline pipeline(scene.config, motion, keeper);
   ReplayOptions fast;
   fast.rate = 0;
@@ -145,11 +145,11 @@ SnapshotView view_of(const SnapshotOptions& options, const Scene& scene) {
   if (options.at.value_or(0) > length)
     throw std::runtime_error("--at " + fixed(*options.at, 3) + ": the capture is " + fixed(length, 3) +
                              " s long");
-  BagPoses motion(options.motion, scene.config.vehicle);
+  const auto motion = open_motion(options.motion, scene.config.vehicle);
   FrameKeeper frames;
-  const double at = play(options.at, length, scene, capture, motion, frames);
+  const double at = play(options.at, length, scene, capture, *motion, frames);
   if (frames.empty()) throw std::runtime_error(nothing_there(scene, options.captures, at, length));
-  const FrameTree poses(scene.config, motion);
+  const FrameTree poses(scene.config, *motion);
   const bool intensities = options.color == "intensity";
   SnapshotView view = make_view(scene.config, poses, frames, {options.areas, options.only, intensities});
   if (std::all_of(view.layers.begin(), view.layers.end(), [](const auto& l) { return l.points.empty(); }))

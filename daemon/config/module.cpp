@@ -3,17 +3,38 @@
 #include "daemon/config/module.h"
 
 #include <dlfcn.h>
+#include <link.h>
 
+#include <array>
 #include <filesystem>
 #include <stdexcept>
 
 namespace lidard {
+namespace {
 
-/// Modules are beside the program in a build tree and below lib/lidard after installation.
+namespace fs = std::filesystem;
+
+/// Where modules are: in the build folder, and below lib/lidard after installation. Both as seen from the
+/// program, or from the Python package, that this code is linked into.
+std::array<fs::path, 2> module_folders() {
+  Dl_info info{};
+  link_map* self = nullptr;
+  dladdr1(reinterpret_cast<const void*>(&module_function), &info, reinterpret_cast<void**>(&self),
+          RTLD_DL_LINKMAP);
+  // The program itself has no name there.
+  if (self != nullptr && self->l_name != nullptr && *self->l_name != '\0') {
+    const fs::path package = fs::canonical(self->l_name).parent_path();
+    return {package / "../..", package / "../../../lidard/modules"};
+  }
+  const fs::path program = fs::read_symlink("/proc/self/exe").parent_path();
+  return {program, program / "../lib/lidard/modules"};
+}
+
+}  // namespace
+
 void* module_function(const std::string& module, const char* function, const std::string& purpose) {
-  const std::filesystem::path beside = std::filesystem::read_symlink("/proc/self/exe").parent_path();
   std::string trouble;
-  for (const auto& folder : {beside, beside / "../lib/lidard/modules"}) {
+  for (const fs::path& folder : module_folders()) {
     void* const loaded = dlopen((folder / (module + ".so")).c_str(), RTLD_NOW | RTLD_LOCAL);
     void* const found = loaded == nullptr ? nullptr : dlsym(loaded, function);
     if (found != nullptr) return found;

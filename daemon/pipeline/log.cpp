@@ -5,8 +5,16 @@
 #include <spdlog/spdlog.h>
 
 namespace lidard {
+namespace {
+
+void (*log_receiver)(LogLevel level, const std::string& text) = nullptr;
+
+}  // namespace
+
+void set_log_receiver(void (*receiver)(LogLevel level, const std::string& text)) { log_receiver = receiver; }
 
 void log_line(LogLevel level, const std::string& text) {
+  if (log_receiver != nullptr) return log_receiver(level, text);
   const auto as = level == LogLevel::info   ? spdlog::level::info
                   : level == LogLevel::warn ? spdlog::level::warn
                                             : spdlog::level::err;

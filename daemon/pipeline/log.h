@@ -11,7 +11,10 @@ namespace lidard {
 
 enum class LogLevel { info, warn, error };
 
-/// Writes a line to the log of set_up_logging().
+/// From now on lines go to `receiver` instead of the log of set_up_logging(). Call it before other threads
+/// start.
+void set_log_receiver(void (*receiver)(LogLevel level, const std::string& text));
+/// Writes a line to the log.
 void log_line(LogLevel level, const std::string& text);
 
 // Formats here and logs in log.cpp, since spdlog's templates cost 2 s of compile time per unit.

@@ -20,9 +20,9 @@
 #include <sstream>
 
 #include "daemon/commands/commands.h"
-#include "daemon/commands/inspect_survey.h"
 #include "daemon/health/pipeline_health.h"
 #include "daemon/health/report.h"
+#include "daemon/offline/survey.h"
 #include "daemon/pipeline/pipeline.h"
 #include "drivers/capture/pcap_source.h"
 #include "test/daemon/pipeline/no_tf.h"

@@ -6,8 +6,8 @@
 // in single bytes; -max_len=65536.
 #include <cstdlib>
 
-#include "daemon/commands/inspect_survey.h"
 #include "daemon/config/config.h"
+#include "daemon/offline/survey.h"
 #include "test/drivers/capture/pcap_testing.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -54,7 +54,7 @@ class Packages(unittest.TestCase):
         return {part.split()[0] for part in fields.split(",")}
 
     def test_there_is_a_package_for_the_vehicle_and_one_for_each_extra(self):
-        self.assertEqual(set(self.files), {"lidard", "lidard-pcl", "lidard-sim", "liblidard-dev"})
+        self.assertEqual(set(self.files), {"lidard", "lidard-pcl", "lidard-sim", "liblidard-dev", "python3-lidard"})
         self.assertLess(self.files["lidard"].stat().st_size, LARGEST)
 
     def test_packages_that_would_depend_on_nothing_are_not_made(self):
@@ -109,7 +109,7 @@ class Packages(unittest.TestCase):
 
     def test_programs_depend_on_their_libraries(self):
         # Without dpkg-shlibdeps a package has no such line, and installs where nothing of it runs.
-        for package in ("lidard", "lidard-pcl", "lidard-sim"):
+        for package in ("lidard", "lidard-pcl", "lidard-sim", "python3-lidard"):
             said = must_run("dpkg", "-I", self.files[package])
             self.assertRegex(said, r"\n Depends: .*\blibc6 \(>= ", package)
         self.assertTrue([name for name in self.depends("lidard") if name.startswith("libroscpp")])
@@ -119,6 +119,13 @@ class Packages(unittest.TestCase):
         self.assertEqual(heavy, [])
         self.assertIn("libpcl-io", " ".join(self.depends("lidard-pcl")))
         self.assertFalse([name for name in self.depends("lidard-sim") if name.startswith("libros")])
+
+    def test_the_python_package_needs_no_ros_and_reads_where_it_is_installed(self):
+        self.assertFalse([name for name in self.depends("python3-lidard") if re.search(r"libros|tf2", name)])
+        folder = self.unpacked("python3-lidard") / "usr/lib/python3/dist-packages"
+        said = must_run("/usr/bin/python3", "-I", "-c", f"import sys; sys.path.insert(0, '{folder}'); import lidard; "
+                        f"print(lidard.__file__, sum(1 for _ in lidard.open('{CAPTURE}')) > 2)")
+        self.assertEqual(said.split(), [f"{folder}/lidard/__init__.py", "True"])
 
     def test_the_configuration_listens_to_nothing_until_it_is_edited(self):
         file = self.unpacked("lidard") / "etc/lidard/lidard.yaml"

@@ -2,17 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/ros/in/tf_poses.h"
 
-#include <fmt/format.h>
-#include <geometry_msgs/TransformStamped.h>
 #include <tf2/exceptions.h>
 #include <tf2_ros/transform_listener.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cmath>
-#include <cstdio>
-#include <cstring>
-#include <fstream>
 #include <stdexcept>
 
 #include "daemon/pipeline/log.h"
@@ -22,15 +15,8 @@
 namespace lidard {
 namespace {
 
-// The vehicle's path between such samples of tf is straight; tf itself interpolates linearly.
-constexpr Span sampling = std::chrono::milliseconds(10);
-constexpr Span shortest_step = std::chrono::milliseconds(5);
-// The oldest poses that a merge may need.
-constexpr Span longest_past = std::chrono::seconds(2);
 /// Frames are looked up at most some hundred milliseconds after they were measured.
 constexpr double live_kept_s = 10;
-// A bag is kept completely.
-constexpr double bag_kept_s = 1e7;
 
 }  // namespace
 
@@ -78,22 +64,15 @@ void BufferPoses::history(const std::string& parent, const std::string& child, S
   const std::string to = ros_frame(parent);
   const std::string from = ros_frame(child);
   if (to.empty() || from.empty()) return;
-  const auto sample = [&](Stamp stamp) {
-    const ros::Time at = time(stamp);
-    if (buffer_.canTransform(to, from, at))
-      poses.push_back({stamp, to_pose(buffer_.lookupTransform(to, from, at).transform)});
-  };
   try {
     if (!buffer_.canTransform(to, from, ros::Time(0))) return;
     const ros::Time header = buffer_.lookupTransform(to, from, ros::Time(0)).header.stamp;
     if (is_before_step(header)) return;
-    const Stamp newest = clock_->steady(from_ros(header));
-    const Stamp last = std::min(newest, until);
-    if (last >= after && last - after < shortest_step) return;
-    // A track that is far ahead belongs to an input that has started again.
-    Stamp at = after > last + longest_past ? last - longest_past : std::max(after, last - longest_past);
-    for (at = at + sampling; at < last; at = at + sampling) sample(at);
-    if (last > after || at > after) sample(last);
+    for (const Stamp stamp : history_stamps(clock_->steady(from_ros(header)), after, until)) {
+      const ros::Time at = time(stamp);
+      if (buffer_.canTransform(to, from, at))
+        poses.push_back({stamp, to_pose(buffer_.lookupTransform(to, from, at).transform)});
+    }
   } catch (const tf2::TransformException&) {
     // It was overwritten while it was read; the next call reads on.
   }
@@ -114,23 +93,23 @@ void TfPoses::connected(RosCallbackThread& ros) {
   listening_ = true;
 }
 
-BagPoses::BagPoses(const std::string& path, const VehicleConfig& vehicle)
-    : BufferPoses(bag_kept_s, std::make_shared<ClockStep>()), vehicle_(vehicle), is_there_(!path.empty()) {
-  if (!is_there_) return;
-  if (path.size() > 4 && path.compare(path.size() - 4, 4, ".csv") == 0)
-    read_table(path);
-  else
-    read_bag(path);
-  std::stable_sort(odometry_.begin(), odometry_.end(),
-                   [](const StampedPose& a, const StampedPose& b) { return a.stamp < b.stamp; });
+std::unique_ptr<RecordedMotion> open_motion(const std::string& path, const VehicleConfig& vehicle) {
+  const bool is_table = path.size() > 4 && path.compare(path.size() - 4, 4, ".csv") == 0;
+  if (path.empty() || is_table) return std::make_unique<MotionTable>(path, vehicle);
+  return std::make_unique<BagPoses>(path, vehicle);
 }
 
-void BagPoses::read_bag(const std::string& path) {
+BagPoses::BagPoses(const std::string& path, const VehicleConfig& vehicle) : RecordedMotion(vehicle) {
+  read(path);
+  sort_odometry();
+}
+
+void BagPoses::read(const std::string& path) {
   bool any = false;
   const auto use_transforms = [&](const tf2_msgs::TFMessage& message, bool is_static) {
     any = true;
     for (const auto& transform : message.transforms) {
-      buffer_.setTransform(transform, "bag", is_static);
+      buffer_.add(transform, is_static);
       if (!is_static && ros_frame(transform.header.frame_id) == ros_frame(vehicle_.odometry_frame))
         moved_.push_back(clock_->steady(from_ros(transform.header.stamp)));
     }
@@ -152,36 +131,6 @@ void BagPoses::read_bag(const std::string& path) {
   }
 }
 
-void BagPoses::read_table(const std::string& path) {
-  errno = 0;
-  std::ifstream file(path);
-  if (!file) throw std::runtime_error(path + ": cannot be opened: " + std::strerror(errno));
-  std::string line;
-  for (std::size_t number = 1; std::getline(file, line); ++number) {
-    double stamp = 0, x = 0, y = 0, yaw = 0;
-    const bool read = std::sscanf(line.c_str(), "%lf , %lf , %lf , %lf", &stamp, &x, &y, &yaw) == 4 &&
-                      std::isfinite(stamp + x + y + yaw);
-    const bool title = number == 1 && !read;
-    if (!read && !title)
-      throw std::runtime_error(
-          fmt::format("{}:{}: '{}'; expected stamp,x,y,yaw: s, m, m, rad", path, number, line));
-    if (read) odometry_.push_back({Stamp{} + span_from_seconds(stamp), make_pose({x, y, 0}, {0, 0, yaw})});
-  }
-  if (odometry_.empty()) throw std::runtime_error(path + ": no poses; expected rows of stamp,x,y,yaw");
-  child_ = vehicle_.base_frame;
-  if (vehicle_.odometry_frame.empty()) return;
-  for (const auto& [at, pose] : odometry_) {
-    geometry_msgs::TransformStamped moved;
-    moved.header.stamp = time(at), moved.header.frame_id = ros_frame(vehicle_.odometry_frame);
-    moved.child_frame_id = ros_frame(vehicle_.base_frame);
-    const Eigen::Quaterniond turn(pose.linear());
-    moved.transform.translation.x = pose.translation().x(),
-    moved.transform.translation.y = pose.translation().y();
-    moved.transform.rotation.z = turn.z(), moved.transform.rotation.w = turn.w();
-    buffer_.setTransform(moved, "table", false);
-  }
-}
-
 std::vector<StampedPose> BagPoses::track() {
   std::vector<StampedPose> poses;
   std::string why_not;
@@ -199,29 +148,6 @@ std::vector<StampedPose> BagPoses::track() {
       poses.push_back({stamp, pose});
   }
   return poses;
-}
-
-bool BagPoses::lookup(const std::string& parent, const std::string& child, Stamp stamp, Pose& pose,
-                      std::string& why_not) {
-  return is_there_ ? BufferPoses::lookup(parent, child, stamp - shift_, pose, why_not)
-                   : NoTransforms().lookup(parent, child, stamp, pose, why_not);
-}
-
-void BagPoses::history(const std::string& parent, const std::string& child, Stamp after, Stamp until,
-                       std::vector<StampedPose>& poses) {
-  const std::size_t before = poses.size();
-  BufferPoses::history(parent, child, after - shift_, until - shift_, poses);
-  for (std::size_t i = before; i < poses.size(); ++i) poses[i].stamp = poses[i].stamp + shift_;
-}
-
-void BagPoses::feed(Pipeline& pipeline, Stamp until, Span shift) {
-  if (shift_ != shift) next_ = 0;
-  shift_ = shift;
-  if (vehicle_.odometry_topic.empty()) return;
-  for (; next_ < odometry_.size() && odometry_[next_].stamp + shift <= until; ++next_) {
-    const auto& [stamp, pose] = odometry_[next_];
-    pipeline.pose_message(stamp + shift, pose, child_, stamp + shift);
-  }
 }
 
 }  // namespace lidard

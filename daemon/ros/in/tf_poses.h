@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <geometry_msgs/TransformStamped.h>
 #include <tf2/buffer_core.h>
 
 #include <atomic>
@@ -11,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "daemon/pipeline/pipeline.h"
+#include "daemon/pipeline/recorded_motion.h"
 #include "daemon/ros/in/component.h"
 
 namespace lidard {
@@ -26,6 +27,9 @@ class BufferPoses : public TransformSource {
               std::string& why_not) override;
   void history(const std::string& parent, const std::string& child, Stamp after, Stamp until,
                std::vector<StampedPose>& poses) override;
+  void add(const geometry_msgs::TransformStamped& transform, bool is_static) {
+    buffer_.setTransform(transform, "bag", is_static);
+  }
 
  protected:
   ros::Time time(Stamp stamp) const;
@@ -56,35 +60,35 @@ class TfPoses final : public BufferPoses, public RosComponent {
   std::atomic<bool> listening_{false};
 };
 
-/// Poses from the /tf and /tf_static (and optional nav_msgs/Odometry) of a recorded bag, or from a table with
-/// rows of stamp (s since the epoch), x, y (m), yaw (rad), for a replay without a ROS master. Only poses
-/// stamped before the requested time are used, as live.
-class BagPoses final : public BufferPoses {
+/// Poses from the /tf and /tf_static (and optional nav_msgs/Odometry) of a recorded bag.
+class BagPoses final : public RecordedMotion {
  public:
-  /// Reads a bag, or a file whose name ends with .csv. An empty path: there is none, and all poses are
-  /// configured. Throws std::runtime_error that names the file; of a damaged bag, the first poses count.
+  /// Throws std::runtime_error that names the file; of a damaged bag, the first poses count.
   BagPoses(const std::string& path, const VehicleConfig& vehicle);
-  bool lookup(const std::string& parent, const std::string& child, Stamp stamp, Pose& pose,
-              std::string& why_not) override;
-  void history(const std::string& parent, const std::string& child, Stamp after, Stamp until,
-               std::vector<StampedPose>& poses) override;
-  /// Passes the odometry's messages after the last call, up to `until`, to the pipeline. All poses are
-  /// stamped later by `shift`, as a repeated capture is; the odometry begins anew where that changes.
-  void feed(Pipeline& pipeline, Stamp until, Span shift = Span(0));
-  /// All poses of base_frame, by stamp: of the odometry's topic, of odometry_frame on tf, or of the table.
-  std::vector<StampedPose> track();
+  /// Of the odometry's topic, or of odometry_frame on tf.
+  std::vector<StampedPose> track() override;
 
  private:
-  void read_bag(const std::string& path);
-  void read_table(const std::string& path);
+  // A bag is kept completely.
+  static constexpr double bag_kept_s = 1e7;
 
-  const VehicleConfig vehicle_;
-  const bool is_there_;
-  std::vector<StampedPose> odometry_;
-  std::string child_;
+  void read(const std::string& path);
+  bool find(const std::string& parent, const std::string& child, Stamp stamp, Pose& pose,
+            std::string& why_not) override {
+    return buffer_.lookup(parent, child, stamp, pose, why_not);
+  }
+  void sample(const std::string& parent, const std::string& child, Stamp after, Stamp until,
+              std::vector<StampedPose>& poses) override {
+    buffer_.history(parent, child, after, until, poses);
+  }
+
+  const SharedClockStep clock_ = std::make_shared<ClockStep>();
+  BufferPoses buffer_{bag_kept_s, clock_};
   std::vector<Stamp> moved_;  // when tf moved something in odometry_frame
-  std::size_t next_ = 0;
-  Span shift_{0};
 };
+
+/// The motion of a bag, or of a table whose name ends with .csv; an empty path: none, all poses are
+/// configured. Throws std::runtime_error that names the file.
+std::unique_ptr<RecordedMotion> open_motion(const std::string& path, const VehicleConfig& vehicle);
 
 }  // namespace lidard

@@ -129,10 +129,7 @@ void to_ros(const PlanarScan& scan, HostStamp at, sensor_msgs::LaserScan& messag
   copy_geometry(scan, at, message);
   const auto beams = static_cast<std::ptrdiff_t>(scan.beams);
   message.ranges.assign(scan.ranges.begin(), scan.ranges.begin() + beams);
-  for (std::size_t b = 0; b < scan.beams; ++b) {
-    if (scan.statuses[b] == BeamStatus::none) message.ranges[b] = scan.none_as;
-    if (scan.statuses[b] == BeamStatus::invalid) message.ranges[b] = scan.invalid_as;
-  }
+  encode_ranges(scan, message.ranges.data());
   const auto intensities = scan.intensities.empty() ? 0 : beams;
   message.intensities.assign(scan.intensities.begin(), scan.intensities.begin() + intensities);
 }

@@ -7,8 +7,8 @@
 #include <sstream>
 
 #include "daemon/commands/commands.h"
-#include "daemon/commands/inspect_survey.h"
 #include "daemon/config/config.h"
+#include "daemon/offline/survey.h"
 #include "drivers/capture/pcap_source.h"
 #include "drivers/capture/pcap_writer.h"
 #include "drivers/registry/registry.h"

@@ -9,7 +9,7 @@
 #include <sstream>
 
 #include "daemon/commands/commands.h"
-#include "daemon/commands/player.h"
+#include "daemon/offline/player.h"
 #include "daemon/pipeline/frame_tree.h"
 #include "test/daemon/pipeline/line_driver.h"
 #include "test/drivers/capture/pcap_testing.h"

@@ -19,8 +19,8 @@
 #include <vector>
 
 #include "daemon/commands/commands.h"
-#include "daemon/commands/inspect_survey.h"
 #include "daemon/files/snapshot_view.h"
+#include "daemon/offline/survey.h"
 #include "test/support/captures.h"
 
 namespace lidard::test {
@@ -140,8 +140,8 @@ class Pictures : public ::testing::Test {
         EXPECT_GT(find(picture, 0, picture.height, is_colorful).count, 800U) << file;
       } else {
         EXPECT_EQ(code, exit_failed) << file;
-        const bool holds_nothing = file.find("radar") != std::string::npos ||
-                                   file.find("position_only") != std::string::npos;
+        const bool holds_nothing =
+            file.find("radar") != std::string::npos || file.find("position_only") != std::string::npos;
         EXPECT_TRUE(some_hold_nothing || holds_nothing) << file << ": " << said;
         EXPECT_THAT(said, HasSubstr(file)) << "the reason names the capture";
         EXPECT_FALSE(fs::exists(options.output)) << file;

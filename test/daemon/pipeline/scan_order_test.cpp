@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include "daemon/commands/player.h"
+#include "daemon/offline/player.h"
 #include "daemon/pipeline/frame_tree.h"
 #include "test/sim/servers/scene_file.h"
 #include "test/sim/servers/simulate.h"
@@ -27,7 +27,7 @@ Scans nav_scans(const std::string& path, const std::string& keys, const std::str
   NoTransforms poses;
   RecordingSink sink;
   Pipeline pipeline(config, poses, sink);
-  ReplayOptions options;
+  PlayOptions options;
   options.rate = 0;
   MergedCapture capture({path});
   Player player(options, capture, pipeline);

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // What the merged and virtual scans of a configuration can know of an empty field, and what is in their way.
-#include "daemon/commands/field_sight.h"
+#include "daemon/offline/field_sight.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

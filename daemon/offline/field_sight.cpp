@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/commands/field_sight.h"
+#include "daemon/offline/field_sight.h"
 
 #include <algorithm>
 #include <cmath>

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "daemon/commands/empty_field.h"
+#include "daemon/offline/empty_field.h"
 
 namespace lidard {
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/commands/inspect_survey.h"
+#include "daemon/offline/survey.h"
 
 #include <algorithm>
 #include <map>
@@ -57,9 +57,10 @@ void add_to(SeenFlow& flow, const Packet& packet) {
   flow.last = std::max(flow.last, packet.arrival);
 }
 
-/// Calls `use` with datagrams and chunks until it returns false; returns the properties of the file.
+/// Calls `use` with datagrams and chunks of the first `part` until it returns false; returns the properties
+/// of the file.
 template <typename Use>
-SurveyedCapture read(const std::string& file, Use use) {
+SurveyedCapture read(const std::string& file, Span part, Use use) {
   SurveyedCapture capture;
   capture.file = file;
   try {
@@ -68,7 +69,7 @@ SurveyedCapture read(const std::string& file, Use use) {
     while (source.next(packet)) {
       capture.first = std::min(capture.first.value_or(packet.arrival), packet.arrival);
       capture.last = std::max(capture.last.value_or(packet.arrival), packet.arrival);
-      if (!use(packet)) break;
+      if (!use(packet) || *capture.last - *capture.first > part) break;
     }
     capture.counters = source.counters();
     capture.error = source.error();
@@ -94,24 +95,6 @@ void watch(Packet packet, const SurveyOptions& options, Flows& flows, std::uint6
   add_to(found->second.flow, packet);
   if (packet.transport == Transport::udp || found->second.connection.pick(packet))
     found->second.identifier.add(packet);
-}
-
-std::string name_for(const Model& model, const std::vector<FoundSensor>& others) {
-  const auto same = std::count_if(others.begin(), others.end(),
-                                  [&](const FoundSensor& sensor) { return sensor.model == &model; });
-  return std::string(model.name) + (same == 0 ? "" : "_" + std::to_string(same + 1));
-}
-
-/// The owners of packets, as indices of the found sensors.
-FlowTable<std::size_t> owners_of(const std::vector<FoundSensor>& sensors) {
-  FlowTable<std::size_t> owners;
-  for (std::size_t i = 0; i < sensors.size(); ++i) owners.add(sensors[i].data, i);
-  for (std::size_t i = 0; i < sensors.size(); ++i) {
-    const Model& model = *sensors[i].model;
-    const Flow& data = sensors[i].data;
-    for (const Flow& flow : flows_of(model, data.address, data.port)) owners.add(flow, i);
-  }
-  return owners;
 }
 
 /// The model of a flow; a wanted one is assumed of all flows of its transport. No device has the address of a
@@ -159,8 +142,9 @@ void sort_out(Flows& flows, const Model* wanted, Survey& out) {
                    [](const SeenFlow& a, const SeenFlow& b) { return a.packets > b.packets; });
 }
 
-/// Runs the drivers of the sensors; `first_frames`: until each has given a frame.
-void judge(const std::vector<std::string>& captures, bool first_frames, std::vector<FoundSensor>& sensors) {
+/// Runs the drivers of the sensors; with `first_frames` until each has given a frame.
+void judge(const std::vector<std::string>& captures, const SurveyOptions& options,
+           std::vector<FoundSensor>& sensors) {
   struct Receiver {
     std::unique_ptr<Driver> driver;
     FrameTimes times;
@@ -175,7 +159,7 @@ void judge(const std::vector<std::string>& captures, bool first_frames, std::vec
   }
   const FlowTable<std::size_t> owners = owners_of(sensors);
   for (const std::string& file : captures) {
-    read(file, [&](Packet packet) {
+    read(file, options.part, [&](Packet packet) {
       const std::size_t* owner = owners.find(packet);
       if (owner == nullptr) return true;
       Receiver& receiver = receivers[*owner];
@@ -185,8 +169,9 @@ void judge(const std::vector<std::string>& captures, bool first_frames, std::vec
       const DeviceClock* const clock = receiver.driver->clock();
       SeenFlow& data = sensors[*owner].data;
       if (clock != nullptr && clock->lacks_now()) data.last = std::max(data.last, clock->newest());
-      return !first_frames || std::any_of(sensors.begin(), sensors.end(),
-                                          [](const FoundSensor& sensor) { return sensor.frames == 0; });
+      return !options.first_frames ||
+             std::any_of(sensors.begin(), sensors.end(),
+                         [](const FoundSensor& sensor) { return sensor.frames == 0; });
     });
   }
   for (std::size_t i = 0; i < sensors.size(); ++i) {
@@ -230,6 +215,23 @@ std::string nothing_found(const Survey& found, const Model* wanted) {
 
 }  // namespace
 
+std::string name_for(const Model& model, const std::vector<FoundSensor>& others) {
+  const auto same = std::count_if(others.begin(), others.end(),
+                                  [&](const FoundSensor& sensor) { return sensor.model == &model; });
+  return std::string(model.name) + (same == 0 ? "" : "_" + std::to_string(same + 1));
+}
+
+FlowTable<std::size_t> owners_of(const std::vector<FoundSensor>& sensors) {
+  FlowTable<std::size_t> owners;
+  for (std::size_t i = 0; i < sensors.size(); ++i) owners.add(sensors[i].data, i);
+  for (std::size_t i = 0; i < sensors.size(); ++i) {
+    const Model& model = *sensors[i].model;
+    const Flow& data = sensors[i].data;
+    for (const Flow& flow : flows_of(model, data.address, data.port)) owners.add(flow, i);
+  }
+  return owners;
+}
+
 Survey survey_of_sensors(const std::vector<std::string>& captures, std::ostream& err,
                          const SurveyOptions& options) {
   Survey found = survey(captures, options);
@@ -244,13 +246,13 @@ Survey survey(const std::vector<std::string>& captures, const SurveyOptions& opt
   Survey out;
   Flows flows;
   for (const std::string& file : captures) {
-    out.captures.push_back(read(file, [&](const Packet& packet) {
+    out.captures.push_back(read(file, options.part, [&](const Packet& packet) {
       watch(packet, options, flows, out.uncounted);
       return true;
     }));
   }
   sort_out(flows, options.model, out);
-  if (!out.sensors.empty()) judge(captures, options.first_frames, out.sensors);
+  if (!out.sensors.empty()) judge(captures, options, out.sensors);
   if (options.model == nullptr) return out;
   const auto unproven = std::stable_partition(out.sensors.begin(), out.sensors.end(), is_proven);
   for (auto sensor = unproven; sensor != out.sensors.end(); ++sensor) out.unknown.push_back(sensor->data);

@@ -74,6 +74,7 @@ struct SurveyOptions {
   const Model* model = nullptr;                       ///< nullptr: any, from the packets
   std::function<bool(const Packet&)> is_wanted = {};  ///< empty: all packets
   bool first_frames = false;                          ///< the drivers run until each has given a frame
+  Span part = Span::max();  ///< what came later than that after the begin of its capture is not read
 };
 
 /// Reads the captures twice: to recognize the sensors, and to run their drivers.
@@ -82,6 +83,11 @@ Survey survey(const std::vector<std::string>& captures, const SurveyOptions& opt
 /// end.
 Survey survey_of_sensors(const std::vector<std::string>& captures, std::ostream& err,
                          const SurveyOptions& options = {});
+
+/// A name for one more sensor of a model beside others.
+std::string name_for(const Model& model, const std::vector<FoundSensor>& others);
+/// The owners of packets, as indices of the sensors.
+FlowTable<std::size_t> owners_of(const std::vector<FoundSensor>& sensors);
 
 /// The configuration that replays the sensors, as YAML.
 std::string config_of(const Survey& survey);

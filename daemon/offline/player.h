@@ -10,16 +10,25 @@
 #include <optional>
 #include <vector>
 
-#include "daemon/commands/commands.h"
 #include "daemon/pipeline/pipeline.h"
 #include "drivers/capture/pcap_source.h"
 
 namespace lidard {
 
+/// How captures are played.
+struct PlayOptions {
+  double rate = 1;                                 ///< of the recorded pace; 0: as fast as possible
+  bool loop = false;                               ///< repeats the captures with continuous stamps
+  double start = 0;                                ///< s into the capture
+  double duration = -1;                            ///< s; negative: to the end
+  bool restamp = false;                            ///< shifts stamps so that the first packet comes now
+  Span loop_gap = std::chrono::milliseconds(100);  ///< between the last packet of a round and the next round
+};
+
 /// Feeds a pipeline from captures at the requested pace.
 class Player {
  public:
-  Player(const ReplayOptions& options, MergedCapture& capture, Pipeline& pipeline);
+  Player(const PlayOptions& options, MergedCapture& capture, Pipeline& pipeline);
 
   /// Called with the stamp of every packet before it is played (for /clock).
   std::function<void(Stamp)> on_time;
@@ -31,6 +40,12 @@ class Player {
   void play(const std::function<bool()>& stop);
   /// Plays messages alone, from `start` on for `duration`.
   void play(TimedMessages& messages, const std::function<bool()>& stop);
+
+  /// Plays the next packet; false at the end, or once `stop()` returns true. For callers that use what comes
+  /// out packet by packet.
+  bool step(const std::function<bool()>& stop);
+  /// Hands on what is complete at the end.
+  void finish() { pipeline_.finish(last_); }
 
   /// The time of the replay, once it has begun.
   Stamp now() const;
@@ -61,7 +76,7 @@ class Player {
   bool wait_for(Stamp stamp, const std::function<bool()>& stop);
   std::chrono::steady_clock::time_point due(Stamp stamp) const;
 
-  const ReplayOptions& options_;
+  const PlayOptions& options_;
   MergedCapture& capture_;
   Pipeline& pipeline_;
   bool started_ = false;
@@ -81,8 +96,9 @@ class Player {
   /// Times of the capture in this round, without what is hidden.
   struct Round {
     Stamp begin{}, newest{};
-    Span hidden{0};  // steps that the arrivals do not show
-    Span stray{0};   // by which the newest packet of another clock was ahead
+    Span hidden{0};                           // steps that the arrivals do not show
+    Span stray{0};                            // by which the newest packet of another clock was ahead
+    bool is_read = false, is_played = false;  // a packet
   };
   Round round_;
   Span restamp_shift_{0};  // from the capture's stamps to those of the first round

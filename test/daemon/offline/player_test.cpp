@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/commands/player.h"
+#include "daemon/offline/player.h"
 
 #include <gtest/gtest.h>
 
@@ -23,9 +23,9 @@ PcapBytes datagrams(const std::vector<double>& times) {
 
 /// What is played of a capture, up to `most` packets.
 struct Played {
-  explicit Played(const std::vector<double>& times, ReplayOptions options = {}, std::size_t most = 100)
+  explicit Played(const std::vector<double>& times, PlayOptions options = {}, std::size_t most = 100)
       : Played(datagrams(times), options, most) {}
-  explicit Played(const PcapBytes& bytes, ReplayOptions options = {}, std::size_t most = 100) {
+  explicit Played(const PcapBytes& bytes, PlayOptions options = {}, std::size_t most = 100) {
     const MemoryFile file(bytes.bytes);
     MergedCapture capture({file.path()});
     PipelineBench bench("sensors: {a: {model: velodyne_vlp16}}\n");
@@ -55,7 +55,7 @@ TEST(Player, FollowsACaptureWhoseClockWasSetAtItsPace) {
 }
 
 TEST(Player, PlaysPacketsThatAreOlderThanTheFirstOneAndItsClockStandsStillForThem) {
-  ReplayOptions fast;
+  PlayOptions fast;
   fast.rate = 0;
   const Played got({10, 9.999999, 10.1, 7.2, 10.2}, fast);
   EXPECT_EQ(got.skipped, 0U);
@@ -71,7 +71,7 @@ TEST(Player, PlaysPacketsThatAreOlderThanTheFirstOneAndItsClockStandsStillForThe
 TEST(Player, RepeatsACaptureWhoseClockWasSetWithoutTheStep) {
   for (const double step : {-3600.0, 3600.0, -5.0}) {
     for (const bool restamp : {false, true}) {
-      ReplayOptions loop;
+      PlayOptions loop;
       loop.loop = true;
       loop.restamp = restamp;
       loop.rate = 10;
@@ -89,7 +89,7 @@ TEST(Player, RepeatsACaptureWhoseClockWasSetWithoutTheStep) {
 
 TEST(Player, MeasuresStartAndDurationWithoutTheStepsOfTheClock) {
   for (const double step : {-3600.0, 3600.0, -5.0}) {
-    ReplayOptions part;
+    PlayOptions part;
     part.start = 0.15;
     part.duration = 0.2;
     const Played got({5000, 5000.1, 5000.1 + step, 5000.2 + step, 5000.3 + step, 5000.4 + step}, part);
@@ -106,7 +106,7 @@ TEST(Player, PlaysPacketsOfAnotherClockAmongTheOthers) {
       std::vector<double> times(12);
       for (std::size_t i = 0; i < 12; ++i)
         times[i] = 5000 + 0.1 * static_cast<double>(i) + (i == 5 || (all && i % 2 == 1) ? ahead : 0);
-      ReplayOptions part;
+      PlayOptions part;
       part.start = 0.35;
       part.rate = 10;
       const Played got(times, part);
@@ -121,7 +121,7 @@ TEST(Player, PlaysPacketsOfAnotherClockAmongTheOthers) {
 }
 
 TEST(Player, WaitsThroughASilence) {
-  ReplayOptions quick;
+  PlayOptions quick;
   quick.rate = 100;
   const Played got({5000, 5000.1, 5020, 5020.1, 5021}, quick);
   EXPECT_NEAR(got.played_s, 21, 1e-5);
@@ -136,7 +136,7 @@ TEST(Player, ItsClockStandsStillForChunksThatWaitedBehindAHole) {
     sequence += sequence == 1 ? 9 : 1;
   }
   for (const double at : {4.7, 4.8, 4.9}) bytes.add(ethernet(ipv4(udp({1, 2, 3}))), at);
-  ReplayOptions fast;
+  PlayOptions fast;
   fast.rate = 0;
   const Played got(bytes, fast);
   EXPECT_EQ(got.shown.size(), 8U);

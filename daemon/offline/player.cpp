@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/commands/player.h"
+#include "daemon/offline/player.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,14 +9,14 @@
 #include <utility>
 
 #include "core/base/number_text.h"
-#include "daemon/commands/progress.h"
+#include "daemon/offline/progress.h"
 #include "daemon/pipeline/log.h"
 #include "drivers/capture/tcp_reassembler.h"
 #include "drivers/net/wall_clock.h"
 
 namespace lidard {
 
-Player::Player(const ReplayOptions& options, MergedCapture& capture, Pipeline& pipeline)
+Player::Player(const PlayOptions& options, MergedCapture& capture, Pipeline& pipeline)
     : rest([](auto until) { std::this_thread::sleep_until(until); }),
       options_(options),
       capture_(capture),
@@ -119,47 +119,52 @@ void Player::show_time(Stamp stamp) {
   if (on_time) on_time(last_);
 }
 
+bool Player::step(const std::function<bool()>& stop) {
+  Packet packet;
+  if (!next(packet)) return false;
+  if (!std::exchange(round_.is_read, true)) round_.begin = round_.newest = packet.arrival;
+  const bool waits = follow_clock(packet);
+  const double into = seconds(packet.arrival - round_.begin);
+  if (!round_.is_played && into < options_.start) {
+    ++skipped_;
+    return true;
+  }
+  round_.is_played = true;
+  if (options_.duration >= 0 && into >= options_.start + options_.duration) return false;
+  if (!started_ && options_.restamp)
+    loop_shift_ = restamp_shift_ = ClockStep().steady(wall_clock()) - packet.arrival;
+  packet.arrival = packet.arrival + loop_shift_;
+  if (!started_) {
+    started_ = true;
+    begin_ = first_ = last_ = packet.arrival;
+    wall_begin_ = std::chrono::steady_clock::now();
+  }
+  const Stamp at = pipeline_.time_of(packet);
+  const double made = seconds(at - packet.arrival);
+  if (options_.duration >= 0 && into + made >= options_.start + options_.duration) return false;
+  // The time that a clock was set ahead by has no events.
+  if (waits && !wait_for(at, stop)) return false;
+  show_time(at);
+  pipeline_.packet(packet);
+  pipeline_.tick(at);
+  return true;
+}
+
 bool Player::play_once(const std::function<bool()>& stop) {
   Progress progress;
   const double played_before = played_s();
-  bool first = true, begun = false;
-  for (Packet packet; next(packet);) {
-    if (std::exchange(first, false)) round_ = {packet.arrival, packet.arrival};
-    const bool waits = follow_clock(packet);
-    const double into = seconds(packet.arrival - round_.begin);
-    if (!begun && into < options_.start) {
-      ++skipped_;
-      continue;
-    }
-    begun = true;
-    if (options_.duration >= 0 && into >= options_.start + options_.duration) break;
-    if (!started_ && options_.restamp)
-      loop_shift_ = restamp_shift_ = ClockStep().steady(wall_clock()) - packet.arrival;
-    packet.arrival = packet.arrival + loop_shift_;
-    if (!started_) {
-      started_ = true;
-      begin_ = first_ = last_ = packet.arrival;
-      wall_begin_ = std::chrono::steady_clock::now();
-    }
-    const Stamp at = pipeline_.time_of(packet);
-    const double made = seconds(at - packet.arrival);
-    if (options_.duration >= 0 && into + made >= options_.start + options_.duration) break;
-    // The time that a clock was set ahead by has no events.
-    if (waits && !wait_for(at, stop)) return false;
-    show_time(at);
-    pipeline_.packet(packet);
-    pipeline_.tick(at);
-    if (progress.is_due()) {
-      std::uint64_t frames = 0;
-      std::uint64_t lost = 0;
-      for (const auto& sensor : pipeline_.status(pipeline_.now()).sensors)
-        frames += sensor.counters.frames, lost += sensor.counters.lost_packets;
-      const double elapsed = progress.elapsed();
-      progress.show(capture_.progress(),
-                    printed("%.1f s  %.1f x  %llu frames  %llu lost", played_s(),
-                            elapsed > 0 ? (played_s() - played_before) / elapsed : 0,
-                            static_cast<unsigned long long>(frames), static_cast<unsigned long long>(lost)));
-    }
+  round_ = {};
+  while (step(stop)) {
+    if (!progress.is_due()) continue;
+    std::uint64_t frames = 0;
+    std::uint64_t lost = 0;
+    for (const auto& sensor : pipeline_.status(pipeline_.now()).sensors)
+      frames += sensor.counters.frames, lost += sensor.counters.lost_packets;
+    const double elapsed = progress.elapsed();
+    progress.show(capture_.progress(),
+                  printed("%.1f s  %.1f x  %llu frames  %llu lost", played_s(),
+                          elapsed > 0 ? (played_s() - played_before) / elapsed : 0,
+                          static_cast<unsigned long long>(frames), static_cast<unsigned long long>(lost)));
   }
   progress.clear();
   return started_;
@@ -182,7 +187,7 @@ void Player::play(const std::function<bool()>& stop) {
     loop_shift_ = restamp_shift_ + (last_ - first_) + options_.loop_gap;
     more = play_once(stop);
   }
-  pipeline_.finish(last_);
+  finish();
 }
 
 void Player::play(TimedMessages& messages, const std::function<bool()>& stop) {

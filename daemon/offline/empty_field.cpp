@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/commands/empty_field.h"
+#include "daemon/offline/empty_field.h"
 
 #include <algorithm>
 #include <cmath>

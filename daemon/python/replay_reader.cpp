@@ -1,0 +1,93 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/python/replay_reader.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "daemon/health/pipeline_health.h"
+#include "daemon/offline/survey_json.h"
+
+namespace lidard::python {
+
+ReplayReader::Run::Run(const Config& config, const std::vector<std::string>& captures,
+                       const std::string& motion_file, FrameSink& sink)
+    : motion(motion_file, config.vehicle),
+      capture(captures),
+      pipeline(config, motion, sink),
+      player(options, capture, pipeline) {
+  options.rate = 0;
+  player.rest = [](auto) {};
+  player.on_time = [this](Stamp now) { motion.feed(pipeline, now); };
+}
+
+ReplayReader::ReplayReader(Config config, const std::vector<std::string>& captures, const std::string& motion,
+                           std::set<std::string> topics)
+    : config_(std::move(config)), topics_(std::move(topics)) {
+  std::set<std::string> known;
+  for (const OutputTopic& topic : output_topics(config_)) known.insert(topic.name);
+  for (const std::string& topic : topics_) {
+    if (known.count(topic) > 0) continue;
+    std::string all;
+    for (const std::string& name : known) all += (all.empty() ? "" : ", ") + name;
+    throw std::runtime_error("no topic " + topic + " in the configuration; expected one of " + all);
+  }
+  for (const SensorConfig& sensor : config_.sensors) {
+    for (const OutputTopic& topic : sensor_topics(sensor)) sensor_of_[topic.name] = sensor.name;
+  }
+  warnings_ = config_.warnings;
+  run_ = std::make_unique<Run>(config_, captures, motion, *this);
+}
+
+bool ReplayReader::advance() {
+  if (run_->player.step([] { return false; })) return true;
+  run_->player.finish();
+  const auto errors = run_->capture.errors();
+  warnings_.insert(warnings_.end(), errors.begin(), errors.end());
+  error_ = what_is_missing();
+  last_sensors_ = sensors_json();
+  free();
+  return false;
+}
+
+std::string ReplayReader::what_is_missing() const {
+  std::string all;
+  for (const OutputReport& output : output_reports(run_->pipeline)) {
+    if (output.messages > 0 || !output.promised) continue;
+    all += (all.empty() ? "" : "\n") + output.name + ": " +
+           (output.remark.empty() ? "nothing of its kind came" : output.remark);
+  }
+  return all;
+}
+
+std::string ReplayReader::sensors_json() const {
+  if (run_ == nullptr) return last_sensors_;
+  nlohmann::ordered_json all = nlohmann::ordered_json::object();
+  for (const SensorStatus& sensor : run_->pipeline.status(run_->pipeline.now()).sensors) {
+    auto& one = all[sensor.name] = {{"model", sensor.model}};
+    put_counters(sensor.counters, one);
+    one["serial"] = sensor.info.serial;
+    one["warnings"] = sensor.info.warnings;
+  }
+  return all.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+bool ReplayReader::wants(const OutputTopic& topic) const {
+  return topics_.empty() || topics_.count(topic.name) > 0;
+}
+
+void ReplayReader::publish(const OutputTopic& topic, const Payload& payload, Stamp /*released*/) {
+  if (!wants(topic)) return;
+  const auto known = sensor_of_.find(topic.name);
+  const std::string& sensor = known == sensor_of_.end() ? std::string() : known->second;
+  if (const auto* scan = std::get_if<const PlanarScan*>(&payload)) {
+    add(sensor, **scan, topic.name);
+  } else if (const auto* cloud = std::get_if<Cloud*>(&payload)) {
+    std::vector<CloudColumn> columns = (*cloud)->columns;
+    add(sensor, **cloud, columns, topic.name);
+  } else if (const auto* merged = std::get_if<MergedCloud*>(&payload)) {
+    add(**merged, topic.name);
+  }
+}
+
+}  // namespace lidard::python
