@@ -20,13 +20,13 @@ import warnings
 
 from harness import FILE_HEAD, LIDARD, ROOT, SKIP, expect, folder, records, run, source_of
 
-sys.path.insert(0, os.environ.get("LIDARD_PYTHON", ""))
-try:
-    import lidard
-    import numpy as np
-except ImportError as missing:
-    print(f"skipped: {missing}")
+MODULE = pathlib.Path(os.environ.get("LIDARD_PYTHON", ""))
+if not any(MODULE.glob("lidard/*.so")):
+    print("skipped: the module was not built")
     sys.exit(SKIP)
+sys.path.insert(0, str(MODULE))
+import lidard  # noqa: E402
+import numpy as np  # noqa: E402
 
 DEMO, VLP16 = ROOT / "pcaps/demo.pcap", ROOT / "pcaps/vlp16_dual.pcap"
 STATUS = ["hit", "none", "near", "invalid"]

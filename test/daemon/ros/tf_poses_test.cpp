@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "daemon/pipeline/recorded_motion.h"
 #include "test/support/pipeline_bench.h"
 
 namespace lidard {
@@ -67,9 +68,9 @@ std::string table_of_a_drive() {
   return path;
 }
 
-TEST(BagPoses, GiveTheOdometryAnewInEachRoundOfACapture) {
+TEST(RecordedMotion, GiveTheOdometryAnewInEachRoundOfACapture) {
   test::PipelineBench bench("vehicle: {odometry_topic: odom}\nsensors: {a: {topic: s}}\n");
-  BagPoses poses(table_of_a_drive(), bench.config.vehicle);
+  MotionTable poses(table_of_a_drive(), bench.config.vehicle);
   const Stamp end = DrivenPoses::stamp(1001);
   for (const int round : {0, 1, 2}) {
     const Span shift = std::chrono::milliseconds(1100 * round);
@@ -81,9 +82,9 @@ TEST(BagPoses, GiveTheOdometryAnewInEachRoundOfACapture) {
   }
 }
 
-TEST(BagPoses, AreThoseOfTheCapturesTimeInEachRound) {
+TEST(RecordedMotion, AreThoseOfTheCapturesTimeInEachRound) {
   test::PipelineBench bench("vehicle: {odometry_frame: odom}\nsensors: {a: {topic: s}}\n");
-  BagPoses poses(table_of_a_drive(), bench.config.vehicle);
+  MotionTable poses(table_of_a_drive(), bench.config.vehicle);
   for (const int round : {0, 1, 2}) {
     const Span shift = std::chrono::seconds(10 * round);
     const Stamp middle = DrivenPoses::stamp(1000.5) + shift;
