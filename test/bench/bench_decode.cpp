@@ -13,6 +13,7 @@
 #include "drivers/capture/pcap_source.h"
 #include "drivers/model.h"
 #include "drivers/registry/registry.h"
+#include "test/support/collector.h"
 
 namespace lidard {
 namespace {
@@ -35,13 +36,6 @@ std::vector<Recorded> packets_of(const std::string& capture, const Model& model)
   return packets;
 }
 
-class CountingOutput final : public DriverOutput {
- public:
-  void scan(PlanarScan& scan) override { points += scan.beams; }
-  void cloud(Cloud& cloud) override { points += cloud.size(); }
-  std::uint64_t points = 0;
-};
-
 void decode(benchmark::State& state, const std::string& name, const std::string& capture) {
   const Model& model = *find_model(name);
   const auto packets = packets_of(capture, model);
@@ -53,7 +47,7 @@ void decode(benchmark::State& state, const std::string& name, const std::string&
   config.model = &model;
   config.keep_partial = true;
   const auto driver = model.make(config);
-  CountingOutput output;
+  test::Counted output;
   const auto play = [&] {
     for (const auto& p : packets) {
       driver->receive({{p.bytes.data(), p.bytes.size()}, p.arrival, p.from, p.to}, output);

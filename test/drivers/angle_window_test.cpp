@@ -12,21 +12,13 @@
 #include "drivers/registry/registry.h"
 #include "test/sim/servers/scene_file.h"
 #include "test/sim/servers/simulate.h"
+#include "test/support/collector.h"
 
 namespace lidard {
 namespace {
 
 struct Window {
   std::optional<double> first, last;
-};
-
-struct AllScans final : DriverOutput {
-  void scan(PlanarScan& scan) override {
-    EXPECT_EQ(violation(scan), nullptr);
-    scans.push_back(scan);
-  }
-  void cloud(Cloud& /*cloud*/) override {}
-  std::vector<PlanarScan> scans;
 };
 
 /// Walls ahead, beside and behind, and gaps between them.
@@ -63,7 +55,7 @@ std::vector<PlanarScan> scans_of(const Model& model, const std::vector<Sent>& pa
   config.model = &model;
   config.angle_min = window.first, config.angle_max = window.last;
   const auto driver = model.make(config);
-  AllScans out;
+  test::Collector out;
   for (const Sent& sent : packets) {
     Packet packet;
     packet.payload = {sent.bytes.data(), sent.bytes.size()};

@@ -11,6 +11,7 @@
 #include "drivers/model.h"
 #include "drivers/registry/registry.h"
 #include "test/support/clock_scenarios.h"
+#include "test/support/collector.h"
 
 namespace lidard::test {
 namespace {
@@ -72,13 +73,6 @@ TEST_P(ClockBench, StampsAreRightFromTwoSecondsOnAndNoScanIsDropped) {
   }
 }
 
-std::string detail(const DeviceInfo& info, const std::string& key) {
-  for (const auto& [name, value] : info.details) {
-    if (name == key) return value;
-  }
-  return "(no such detail)";
-}
-
 TEST_P(ClockBench, DiagnosticsTellTheDriftAndWhatHappenedToTheCounter) {
   BenchScenario scenario;
   scenario.name = "overflow";
@@ -86,17 +80,17 @@ TEST_P(ClockBench, DiagnosticsTellTheDriftAndWhatHappenedToTheCounter) {
   scenario.jitter = 300us;
   scenario.wrap = 5s;
   const DeviceInfo over = run_clock_bench(family(), scenario, 8s, 1).info;
-  EXPECT_EQ(detail(over, "Stamps"), "by the device's clock, drift measured");
-  EXPECT_NEAR(std::stod(detail(over, "Clock drift (ppm)")), 100, 60);
-  EXPECT_LE(std::stod(detail(over, "Clock residual (ms)")), 1);
-  EXPECT_EQ(detail(over, "Clock restarts"), "0");
-  EXPECT_EQ(detail(over, "Clock overflows"), family().overflows ? "1" : "0");
+  EXPECT_EQ(detail_of(over, "Stamps"), "by the device's clock, drift measured");
+  EXPECT_NEAR(std::stod(detail_of(over, "Clock drift (ppm)")), 100, 60);
+  EXPECT_LE(std::stod(detail_of(over, "Clock residual (ms)")), 1);
+  EXPECT_EQ(detail_of(over, "Clock restarts"), "0");
+  EXPECT_EQ(detail_of(over, "Clock overflows"), family().overflows ? "1" : "0");
 
   scenario.wrap.reset();
   scenario.reboot = 4s;
   const DeviceInfo again = run_clock_bench(family(), scenario, 7s, 1).info;
-  EXPECT_EQ(detail(again, "Clock restarts"), "1");
-  EXPECT_EQ(detail(again, "Stamps"), "by the device's clock, drift not yet measured")
+  EXPECT_EQ(detail_of(again, "Clock restarts"), "1");
+  EXPECT_EQ(detail_of(again, "Stamps"), "by the device's clock, drift not yet measured")
       << "1.5 s after the device was back";
 }
 

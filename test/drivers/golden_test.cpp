@@ -89,7 +89,6 @@ std::string decoded(const std::string& path, const Way& way) {
     driver->finish(out);
     all += " " + std::string(model->name) + " " + identifier.remark() + "\n" +
            summed(head(path, way) + std::string(model->name), out, *driver, last);
-    if (&way == ways) all += test::reported_by(*driver, last);
   }
   return all;
 }

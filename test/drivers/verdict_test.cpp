@@ -10,15 +10,11 @@
 #include "drivers/model.h"
 #include "drivers/registry/registry.h"
 #include "test/drivers/sick/cola/fake_cola_device.h"
+#include "test/support/collector.h"
 #include "test/support/velodyne_wire.h"
 
 namespace lidard::test {
 namespace {
-
-class Nowhere final : public DriverOutput {
-  void scan(PlanarScan&) override {}
-  void cloud(Cloud&) override {}
-};
 
 Verdict verdict_on(const char* model, ByteView bytes, Transport transport) {
   DriverConfig config;
@@ -28,7 +24,7 @@ Verdict verdict_on(const char* model, ByteView bytes, Transport transport) {
   packet.payload = bytes;
   packet.arrival = Stamp{1'767'225'600'000'000'000};
   packet.transport = transport;
-  Nowhere nowhere;
+  Counted nowhere;
   return driver->receive(packet, nowhere);
 }
 
@@ -65,7 +61,7 @@ TEST(Verdict, APacketThatWasHeldBackIsRejectedWithTheNextOne) {
   DriverConfig config;
   config.model = find_model("velodyne_vlp16");
   const auto driver = config.model->make(config);
-  Nowhere nowhere;
+  Counted nowhere;
   std::vector<WirePacket> packets = spin(model_modes().front(), 1);
   ASSERT_EQ(model_modes().front().model, "velodyne_vlp16");
   for (WirePacket& packet : packets) packet.bytes[1205] = 0x28;  // a VLP-32C's

@@ -12,21 +12,12 @@
 #include "test/core/virtual/cut_bench.h"
 #include "test/sim/servers/scene_file.h"
 #include "test/sim/servers/simulate.h"
+#include "test/support/collector.h"
 
 namespace lidard {
 namespace {
 
 using namespace test::cut;
-
-struct LastCloud final : DriverOutput {
-  void scan(PlanarScan& /*scan*/) override { ++scans; }
-  void cloud(Cloud& cloud) override {
-    newest = cloud;
-    ++clouds;
-  }
-  Cloud newest;
-  std::size_t clouds = 0, scans = 0;
-};
 
 /// 6 m to the wall ahead, 4 m to those beside, 5 m to that behind, and a box 0.9 m high; nothing overhead.
 /// Coordinates are the sensor's, which stands `height` above the ground.
@@ -50,7 +41,7 @@ std::string walls(double height, double top) {
 }
 
 /// The newest cloud of a device among some objects.
-LastCloud cloud_of(const std::string& model, const std::string& objects, double max_range = 0) {
+Cloud cloud_of(const std::string& model, const std::string& objects, double max_range = 0) {
   const sim::Scene scene =
       sim::parse_scene("start: 2026-01-01T00:17:23.5Z\nduration: 0.6\nsensors:\n  it: {model: " + model +
                            ", from: '10.0.0.1:2115', to: '10.0.0.2:2115'}\n" + objects,
@@ -60,7 +51,7 @@ LastCloud cloud_of(const std::string& model, const std::string& objects, double 
   config.max_range = max_range;
   config.keep_too_near = true;
   const auto driver = config.model->make(config);
-  LastCloud out;
+  test::Collector out;
   sim::simulate(scene, [&](const sim::SimPacket& sent) {
     if (sent.to_device) return true;
     Packet packet;
@@ -72,8 +63,8 @@ LastCloud cloud_of(const std::string& model, const std::string& objects, double 
     driver->receive(packet, out);
     return true;
   });
-  EXPECT_GE(out.clouds, 3U);
-  return out;
+  EXPECT_GE(out.clouds.size(), 3U);
+  return std::move(out.clouds.back());
 }
 
 /// Distance of the room's first surface from (x, y) at a height above ground where the box counts, or not.
@@ -136,11 +127,11 @@ TEST_P(VirtualDevices, TheRoomIsWhereItIs) {
   const Bar& bar = GetParam();
   const bool mrs = std::string(bar.model) == "sick_mrs1000";
   const double lidar_z = mrs ? 0.4 : 1.2;  // the planes of an MRS1000 look up to 5 deg upwards
-  const LastCloud seen = cloud_of(bar.model, room(lidar_z));
+  const Cloud seen = cloud_of(bar.model, room(lidar_z));
   Cut cut;
   cut.settings.beams.no_return_free_range = 20;
   cut.frame = make_pose({bar.at_x, 0, bar.height}, {0, 0, 0});
-  look(cut, seen.newest, lidar_z);
+  look(cut, seen, lidar_z);
   const double side = mrs ? 130 * degree : pi_d;
   for (const PlanarScan* scan : {&cut.strict, &cut.safety}) {
     const Tally of = tally(cut, *scan, {bar.at_x, 0}, bar.height < 0.9, -side, side, 0.03);
@@ -175,13 +166,13 @@ INSTANTIATE_TEST_SUITE_P(Models, VirtualVelodynes,
 std::pair<std::size_t, std::size_t> free_and_hit(const char* model, double top, double plane,
                                                  double max_range) {
   constexpr double lidar_z = 2;
-  const LastCloud seen = cloud_of(model, walls(lidar_z, top), max_range);
+  const Cloud seen = cloud_of(model, walls(lidar_z, top), max_range);
   Cut cut;
   if (find_model(model)->has(Trait::silent_beams_are_free)) cut.settings.beams.no_return_free_range = 100;
   cut.frame = make_pose({0, 0, plane}, {0, 0, 0});
   // Otherwise no beam would be free, since the lidar does not see the plane near it.
   cut.footprint = Footprint({{-5, -5}, {5, -5}, {5, 5}, {-5, 5}});
-  look(cut, seen.newest, lidar_z);
+  look(cut, seen, lidar_z);
   std::size_t free = 0, hit = 0;
   for (const PlanarScan* scan : {&cut.strict, &cut.safety}) {
     for (std::size_t beam = 0; beam < scan->beams; ++beam) {
@@ -207,12 +198,12 @@ TEST_P(VirtualVelodynes, SayNothingOfWhatLiesBeyondTheirMaxRange) {
 }
 
 TEST(VirtualMrs1000, NothingIsSaidOfWhereItDoesNotLook) {
-  const LastCloud seen = cloud_of("sick_mrs1000", room(0.4));
-  EXPECT_EQ(seen.newest.rings, 4U);
+  const Cloud seen = cloud_of("sick_mrs1000", room(0.4));
+  EXPECT_EQ(seen.rings, 4U);
   Cut cut;
   cut.settings.beams.no_return_free_range = 20;
   cut.frame = make_pose({0, 0, 0.6}, {0, 0, 0});
-  look(cut, seen.newest, 0.4);
+  look(cut, seen, 0.4);
   for (int angle = 139; angle <= 221; ++angle) {
     EXPECT_EQ(cut.strict.statuses[cut.grid.nearest(angle * degree)], BeamStatus::invalid) << angle;
     EXPECT_EQ(cut.safety.statuses[cut.grid.nearest(angle * degree)], BeamStatus::invalid) << angle;

@@ -45,6 +45,12 @@ std::uint64_t hash_of(std::string_view text) {
   return hash;
 }
 
+/// What a checksum in a golden file stands for goes to the file that LIDARD_GOLDEN_DETAILS names.
+void note_details(std::string_view text) {
+  if (const char* const details = std::getenv("LIDARD_GOLDEN_DETAILS"))
+    std::ofstream(details, std::ios::app) << text << '\n';
+}
+
 }  // namespace
 
 void expect_golden(const std::string& name, const std::string& text) {
@@ -207,8 +213,7 @@ std::string Sums::text() const {
 }
 
 std::string Sums::digest(const std::string& title) const {
-  if (const char* const details = std::getenv("LIDARD_GOLDEN_DETAILS"))
-    std::ofstream(details, std::ios::app) << title << '\n' << text();
+  note_details(title + '\n' + text());
   std::uint64_t count = 0, exact = 0;
   std::string sums;
   char number[40];
@@ -225,6 +230,7 @@ std::string Sums::digest(const std::string& title) const {
 }
 
 std::string checksum(std::string_view text) {
+  note_details(text);
   char number[20];
   std::snprintf(number, sizeof number, "%016llx", static_cast<unsigned long long>(hash_of(text)));
   return number;

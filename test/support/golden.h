@@ -29,8 +29,7 @@ class Sums {
   void message(const std::string& name, const DeviceMessage& message);
   /// A line for each kind of value.
   std::string text() const;
-  /// One line for all of them. Where it differs, LIDARD_GOLDEN_DETAILS=FILE appends text() under `title` to a
-  /// file, which can be compared with that of another build.
+  /// One line for all of them. LIDARD_GOLDEN_DETAILS=FILE appends text() under `title` to a file.
   std::string digest(const std::string& title) const;
 
  private:

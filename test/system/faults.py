@@ -44,7 +44,7 @@ MIDDLEWARE = [
     Fault("astray", "a mount is wrong by a quarter of a turn", "merged astray_mount", "WARN", "of what left sees where their fields of view overlap; check the pose", 15),
     Fault("full_disk", "the state cannot be written at the start", "configuration", "WARN", "the configuration cannot be kept for a start with a wrong file", 3),
     Fault("no_cloud", "no cloud for a virtual scan", "virtual levels", "ERROR", "no output for more than 3 s", 4),
-    Fault("no_source", "a source of a merged scan is gone", "merged around", "ERROR", "publishing without ", 2),
+    Fault("no_source", "a source of a merged scan is gone", "merged around", "ERROR", "publishing without ", 1),
     Fault("slow", "a subscriber stands still", "topic full/points", "WARN", "a subscriber of full/points is too slow and loses messages", 20),
     Fault("box", "the black box cannot be written", "black box", "WARN", "the black box cannot be written: ", 2),
     Fault("key", "an unknown key at a reload", "configuration", "ERROR", "unknown key", 2),

@@ -9,131 +9,71 @@ import yaml
 
 from harness import expect, folder, run
 
-SAFETY = """<launch>
-  <arg name="sensor_ip" default="192.168.1.11"/>
-  <group ns="left">
-    <node pkg="sick_safetyscanners" type="sick_safetyscanners_node" name="scanner" output="screen">
-      <param name="sensor_ip" type="string" value="$(arg sensor_ip)"/>
-      <param name="host_ip" type="string" value="192.168.1.9"/>
-      <param name="host_udp_port" type="int" value="6061"/>
-      <param name="frame_id" type="string" value="left_laser"/>
-      <param name="angle_start" type="double" value="-1.5"/>
-      <param name="angle_end" type="double" value="1.5"/>
-      <param name="skip" type="int" value="1"/>
-      <param name="min_intensities" type="double" value="0.0"/>
-      <remap from="scan" to="/scan_left"/>
-    </node>
-  </group>
-  <node pkg="sick_safetyscanners" type="sick_safetyscanners_node" name="right" if="$(eval 1 > 2)">
-    <param name="sensor_ip" value="192.168.1.12"/>
-  </node>
-</launch>"""
+TYPES = {str: "string", bool: "bool", int: "int", float: "double"}
 
-SICK_SCAN = """<launch>
-  <arg name="hostname" default="192.168.0.1"/>
-  <node name="front" pkg="sick_scan_xd" type="sick_generic_caller" respawn="false">
-    <param name="scanner_type" type="string" value="sick_tim_7xx"/>
-    <param name="hostname" type="string" value="$(arg hostname)"/>
-    <param name="port" type="string" value="2112"/>
-    <param name="min_ang" type="double" value="-2.35619449"/>
-    <param name="max_ang" type="double" value="2.35619449"/>
-    <param name="frame_id" type="str" value="/front_laser"/>
-    <param name="intensity" type="bool" value="True"/>
-    <param name="range_filter_handling" type="int" value="0"/>
-    <param name="tf_base_frame_id" type="string" value="base_link"/>
-    <param name="tf_base_lidar_xyz_rpy" type="string" value="1.5,0,0.3,0,0,0.5"/>
-    <remap from="scan" to="scan_front"/>
-  </node>
-  <node name="pico" pkg="sick_scan_xd" type="sick_generic_caller">
-    <param name="scanner_type" type="string" value="sick_picoscan"/>
-    <param name="hostname" type="string" value="192.168.0.2"/>
-    <param name="udp_receiver_ip" type="string" value="192.168.0.100"/>
-    <param name="udp_port" type="int" value="2116"/>
-    <param name="publish_frame_id" type="string" value="pico"/>
-    <param name="publish_laserscan_fullframe_topic" type="string" value="scan_fullframe"/>
-    <param name="tf_base_frame_id" type="string" value="base_link"/>
-    <param name="msgpack_validator_enabled" type="bool" value="False"/>
-  </node>
-  <node name="radar" pkg="sick_scan_xd" type="sick_generic_caller">
-    <param name="scanner_type" type="string" value="sick_rms_xxxx"/>
-  </node>
-  <param name="robot_description" command="touch $(arg hostname).was_run"/>
-</launch>"""
 
-URG = """<launch>
-  <node name="urg_node" pkg="urg_node" type="urg_node" output="screen">
-    <param name="ip_address" value="192.168.0.10"/>
-    <param name="serial_baud" value="115200"/>
-    <param name="frame_id" value="laser"/>
-    <param name="calibrate_time" value="true"/>
-    <param name="publish_intensity" value="true"/>
-    <param name="publish_multiecho" value="true"/>
-    <param name="angle_min" value="-1.5707963"/>
-    <rosparam>{angle_max: 1.5707963, cluster: 2, skip: 1}</rosparam>
-  </node>
-</launch>"""
+def node(package, program, name, *inside, attributes="", **parameters):
+    """A node of a launch file, with its parameters as these packages have them: each with its type."""
+    lines = [f'<param name="{key}" type="{TYPES[type(value)]}" value="{value}"/>' for key, value in parameters.items()]
+    return f'<node pkg="{package}" type="{program}" name="{name}" {attributes}>' + "\n".join([*lines, *inside]) + "</node>\n"
 
-DRIVER = """<launch>
-  <arg name="device_ip" default=""/>
-  <arg name="manager"/>
-  <node pkg="nodelet" type="nodelet" name="$(arg manager)" args="manager"/>
-  <node pkg="nodelet" type="nodelet" name="$(arg manager)_driver" args="load velodyne_driver/DriverNodelet $(arg manager)">
-    <param name="device_ip" value="$(arg device_ip)"/>
-    <param name="frame_id" value="roof"/>
-    <param name="model" value="VLP16"/>
-    <param name="rpm" value="600.0"/>
-    <param name="cut_angle" value="-0.01"/>
-  </node>
-</launch>"""
 
-POINTS = """<launch>
-  <arg name="device_ip" default="192.168.1.201"/>
-  <arg name="calibration" default="$(find velodyne_pointcloud)/params/VLP16db.yaml"/>
-  <group ns="roof">
-    <include file="$(find velodyne_driver)/launch/driver.launch">
-      <arg name="device_ip" value="$(arg device_ip)"/>
-      <arg name="manager" value="m"/>
-    </include>
-    <node pkg="nodelet" type="nodelet" name="m_transform" args="load velodyne_pointcloud/TransformNodelet m">
-      <param name="calibration" value="$(arg calibration)"/>
-      <param name="min_range" value="0.4"/>
-      <param name="max_range" value="100.0"/>
-      <param name="fixed_frame" value="/odom"/>
-      <param name="target_frame" value="base_link"/>
-    </node>
-    <node pkg="nodelet" type="nodelet" name="m_laserscan" args="load velodyne_laserscan/LaserScanNodelet m">
-      <param name="ring" value="-1"/>
-      <param name="resolution" value="0.01"/>
-    </node>
-  </group>
-  <include file="$(find velodyne_driver)/launch/driver.launch">
-    <arg name="manager" value="other"/>
-    <arg name="device_ip" value="192.168.1.202"/>
-  </include>
-</launch>"""
+def launch(*inside):
+    return "<launch>\n" + "".join(inside) + "</launch>"
 
-TOOLS = """<launch>
-  <node name="urg_node" pkg="urg_node" type="urg_node">
-    <param name="ip_address" value="192.168.0.10"/>
-    <param name="frame_id" value="laser"/>
-    <remap from="scan" to="/scansx"/>
-  </node>
-  <node pkg="tf" type="static_transform_publisher" name="a" args="1 2 0.5 0.3 0 0 cart_frame laser 100"/>
-  <node pkg="tf2_ros" type="static_transform_publisher" name="b" args="0 0 1 0 0 0 1 cart_frame plane"/>
-  <node pkg="ira_laser_tools" name="merger" type="laserscan_multi_merger">
-    <param name="destination_frame" value="cart_frame"/>
-    <param name="scan_destination_topic" value="scan_multi"/>
-    <param name="laserscan_topics" value="/scansx /scandx"/>
-    <param name="angle_min" value="-2.0"/>
-    <param name="angle_max" value="2.0"/>
-  </node>
-  <node pkg="ira_laser_tools" name="laserscan_virtualizer" type="laserscan_virtualizer">
-    <param name="cloud_topic" value="/cloud_in"/>
-    <param name="base_frame" value="/cart_frame"/>
-    <param name="virtual_laser_scan" value="plane"/>
-  </node>
-  <node pkg="rviz" type="rviz" name="rviz"/>
-</launch>"""
+
+def argument(name, default):
+    return f'<arg name="{name}" default="{default}"/>\n'
+
+
+SAFETY = launch(
+    argument("sensor_ip", "192.168.1.11"), '<group ns="left">',
+    node("sick_safetyscanners", "sick_safetyscanners_node", "scanner", '<remap from="scan" to="/scan_left"/>', attributes='output="screen"',
+         sensor_ip="$(arg sensor_ip)", host_ip="192.168.1.9", host_udp_port=6061, frame_id="left_laser", angle_start=-1.5, angle_end=1.5,
+         skip=1, min_intensities=0.0), "</group>",
+    node("sick_safetyscanners", "sick_safetyscanners_node", "right", attributes='if="$(eval 1 > 2)"', sensor_ip="192.168.1.12"))
+SICK_SCAN = launch(
+    argument("hostname", "192.168.0.1"),
+    node("sick_scan_xd", "sick_generic_caller", "front", '<remap from="scan" to="scan_front"/>', attributes='respawn="false"',
+         scanner_type="sick_tim_7xx", hostname="$(arg hostname)", port="2112", min_ang=-2.35619449, max_ang=2.35619449,
+         frame_id="/front_laser", intensity=True, range_filter_handling=0, tf_base_frame_id="base_link",
+         tf_base_lidar_xyz_rpy="1.5,0,0.3,0,0,0.5"),
+    node("sick_scan_xd", "sick_generic_caller", "pico", scanner_type="sick_picoscan", hostname="192.168.0.2", udp_receiver_ip="192.168.0.100",
+         udp_port=2116, publish_frame_id="pico", publish_laserscan_fullframe_topic="scan_fullframe", tf_base_frame_id="base_link",
+         msgpack_validator_enabled=False),
+    node("sick_scan_xd", "sick_generic_caller", "radar", scanner_type="sick_rms_xxxx"),
+    '<param name="robot_description" command="touch $(arg hostname).was_run"/>\n')
+URG = launch(node(
+    "urg_node", "urg_node", "urg_node", "<rosparam>{angle_max: 1.5707963, cluster: 2, skip: 1}</rosparam>", ip_address="192.168.0.10",
+    serial_baud=115200, frame_id="laser", calibrate_time=True, publish_intensity=True, publish_multiecho=True, angle_min=-1.5707963))
+DRIVER = launch(
+    argument("device_ip", ""), '<arg name="manager"/>',
+    '<node pkg="nodelet" type="nodelet" name="$(arg manager)" args="manager"/>',
+    node("nodelet", "nodelet", "$(arg manager)_driver", attributes='args="load velodyne_driver/DriverNodelet $(arg manager)"',
+         device_ip="$(arg device_ip)", frame_id="roof", model="VLP16", rpm=600.0, cut_angle=-0.01))
+
+
+def driver(manager, address):
+    return (f'<include file="$(find velodyne_driver)/launch/driver.launch"><arg name="device_ip" value="{address}"/>'
+            f'<arg name="manager" value="{manager}"/></include>\n')
+
+
+POINTS = launch(
+    argument("device_ip", "192.168.1.201"), argument("calibration", "$(find velodyne_pointcloud)/params/VLP16db.yaml"), '<group ns="roof">',
+    driver("m", "$(arg device_ip)"),
+    node("nodelet", "nodelet", "m_transform", attributes='args="load velodyne_pointcloud/TransformNodelet m"', calibration="$(arg calibration)",
+         min_range=0.4, max_range=100.0, fixed_frame="/odom", target_frame="base_link"),
+    node("nodelet", "nodelet", "m_laserscan", attributes='args="load velodyne_laserscan/LaserScanNodelet m"', ring=-1, resolution=0.01),
+    "</group>", driver("other", "192.168.1.202"))
+TOOLS = launch(
+    node("urg_node", "urg_node", "urg_node", '<remap from="scan" to="/scansx"/>', ip_address="192.168.0.10", frame_id="laser"),
+    node("tf", "static_transform_publisher", "a", attributes='args="1 2 0.5 0.3 0 0 cart_frame laser 100"'),
+    node("tf2_ros", "static_transform_publisher", "b", attributes='args="0 0 1 0 0 0 1 cart_frame plane"'),
+    node("ira_laser_tools", "laserscan_multi_merger", "merger", destination_frame="cart_frame", scan_destination_topic="scan_multi",
+         laserscan_topics="/scansx /scandx", angle_min=-2.0, angle_max=2.0),
+    node("ira_laser_tools", "laserscan_virtualizer", "laserscan_virtualizer", cloud_topic="/cloud_in", base_frame="/cart_frame",
+         virtual_laser_scan="plane"),
+    node("rviz", "rviz", "rviz"))
 
 
 def imported(file, *arguments):
@@ -205,27 +145,12 @@ def sick_scan(tmp):
 
 
 # The parameters of sick_lrs_36x0_upside_down.launch; T[world,cloud] of add_transform_xyz_rpy turns it by 180 degrees.
-UPSIDE_DOWN = """<launch>
-  <node name="sick_lrs_36x0" pkg="sick_scan_xd" type="sick_generic_caller" respawn="false">
-    <param name="scanner_type" type="string" value="sick_lrs_36x0"/>
-    <param name="min_ang" type="double" value="-3.14159"/>
-    <param name="max_ang" type="double" value="3.14159"/>
-    <param name="use_binary_protocol" type="bool" value="true"/>
-    <param name="hostname" type="string" value="192.168.0.1"/>
-    <param name="cloud_topic" type="string" value="cloud"/>
-    <param name="frame_id" type="str" value="cloud"/>
-    <param name="port" type="string" value="2111"/>
-    <param name="timelimit" type="int" value="5"/>
-    <param name="sw_pll_only_publish" type="bool" value="true"/>
-    <param name="add_transform_xyz_rpy" type="string" value="0,0,0,3.141592653589793,0,0"/>
-    <param name="add_transform_check_dynamic_updates" type="bool" value="false"/>
-    <param name="range_filter_handling" type="int" value="0"/>
-    <param name="message_monitoring_enabled" type="bool" value="true"/>
-    <param name="tf_base_frame_id" type="string" value="map"/>
-    <param name="tf_base_lidar_xyz_rpy" type="string" value="0,0,0,0,0,0"/>
-    <param name="tf_publish_rate" type="double" value="10.0"/>
-  </node>
-</launch>"""
+UPSIDE_DOWN = launch(node(
+    "sick_scan_xd", "sick_generic_caller", "sick_lrs_36x0", attributes='respawn="false"', scanner_type="sick_lrs_36x0", min_ang=-3.14159,
+    max_ang=3.14159, use_binary_protocol=True, hostname="192.168.0.1", cloud_topic="cloud", frame_id="cloud", port="2111", timelimit=5,
+    sw_pll_only_publish=True, add_transform_xyz_rpy="0,0,0,3.141592653589793,0,0", add_transform_check_dynamic_updates=False,
+    range_filter_handling=0, message_monitoring_enabled=True, tf_base_frame_id="map", tf_base_lidar_xyz_rpy="0,0,0,0,0,0",
+    tf_publish_rate=10.0))
 
 
 def upside_down(tmp):
@@ -345,11 +270,11 @@ def description(tmp):
     xacro.chmod(0o755)
     scanners = "".join(f"<node pkg='urg_node' type='urg_node' name='{name}' ns='{name}'><param name='ip_address' value='192.168.0.1{n}'/>"
                        f"<param name='frame_id' value='{name}'/></node>" for n, name in enumerate(("front", "rear", "arm")))
-    launch = f"<launch><param name='robot_description' %s/><node pkg='robot_state_publisher' type='robot_state_publisher' name='rsp'/>{scanners}</launch>"
+    robot = f"<launch><param name='robot_description' %s/><node pkg='robot_state_publisher' type='robot_state_publisher' name='rsp'/>{scanners}</launch>"
     path = {**os.environ, "PATH": f"{tmp}/bin:{os.environ['PATH']}"}
     for name, source in (("text", f"textfile='{urdf}'"), ("find", "textfile='$(find robot)/urdf/amr.urdf'"), ("cat", f"command='cat {urdf}'"),
                          ("xacro", "command='$(find xacro)/xacro --inorder $(find robot)/urdf/amr.urdf lidar:=two'")):
-        file = written(tmp, f"robot/launch/{name}.launch", launch % source)
+        file = written(tmp, f"robot/launch/{name}.launch", robot % source)
         result = run("import", file, "-o", file.with_suffix(".yaml"), env=path)
         expect(result.returncode == 0, f"{name}: {result.stderr}")
         config = yaml.safe_load(file.with_suffix(".yaml").read_text())
@@ -359,15 +284,15 @@ def description(tmp):
         expect(rear["xyz"] == [0, 0, 0] and abs(rear["rpy_deg"][2] + 135) < 1e-4, rear)
         expect("pose" not in config["sensors"]["arm"], "the pose of a joint that moves comes from tf")
     expect((tmp / "xacro_was_run").read_text().split()[1:] == [str(urdf), "lidar:=two"], "xacro gets its arguments")
-    file = written(tmp, "program.launch", launch % f"command='touch {tmp}/was_run'")
+    file = written(tmp, "program.launch", robot % f"command='touch {tmp}/was_run'")
     imported(file)
     one_with(changes_of(file), "robot_description", "was not run")
     expect(not (tmp / "was_run").exists(), "a program was run")
-    file = written(tmp, "no_xacro.launch", launch % f"command='/nowhere/xacro {urdf}'")
+    file = written(tmp, "no_xacro.launch", robot % f"command='/nowhere/xacro {urdf}'")
     if shutil.which("xacro") is None:
         imported(file)
         one_with(changes_of(file), "robot_description", "install xacro")
-    file = written(tmp, "broken.launch", launch % "value='&lt;robot&gt;&lt;joint'")
+    file = written(tmp, "broken.launch", robot % "value='&lt;robot&gt;&lt;joint'")
     imported(file)
     one_with(changes_of(file), "robot_description", "stay with tf")
 

@@ -7,7 +7,6 @@ import os
 import pty
 import shutil
 import signal
-import socket
 import subprocess
 
 from harness import (LIDARD, ROOT, daemon, expect, expect_end, folder, free_port, process, ros_master, run, use_master_at, wait_for,
@@ -129,22 +128,6 @@ def bag_that_exists(tmp):
     return 2
 
 
-def port_in_use(tmp):
-    """The daemon says who has the port, goes on, and receives once it is free."""
-    port = free_port(socket.SOCK_DGRAM)
-    use_master_at(free_port())
-    config = write(tmp / "port.yaml", f"sensors:\n  roof: {{model: velodyne_vlp16, ip_port: {port}, pose: {{xyz: [0, 0, 2]}}}}\n")
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
-        other.bind(("0.0.0.0", port))
-        with daemon(config) as child:
-            wait_for(lambda: f"port {port} is in use" in child.said(), 10, "the log says that the port is in use")
-            expect(child.poll() is None, "the daemon goes on")
-            other.close()
-            wait_for(lambda: f"listening on port {port}" in child.said(), 10, "the daemon listens when the port is free")
-            expect_end(child, signal.SIGTERM)
-    return 1
-
-
 def environment(tmp):
     config = write(tmp / "fine.yaml", f"sensors:\n  roof: {{model: velodyne_vlp16, ip_port: {free_port()}, telemetry_port: 0}}\n")
     done = run("run", "-c", config, env={**os.environ, "ROS_MASTER_URI": "localhost:11311"}, timeout=20)
@@ -199,7 +182,7 @@ def what_works(tmp):
 
 
 with folder() as tmp:
-    tried = sum(step(tmp) for step in (commands, configurations, without_modules, captures, bag_that_exists, port_in_use, environment))
+    tried = sum(step(tmp) for step in (commands, configurations, without_modules, captures, bag_that_exists, environment))
     colours(tmp)
     what_works(tmp)
     expect(tried >= 40, f"{tried} wrong inputs")

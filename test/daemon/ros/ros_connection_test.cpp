@@ -65,6 +65,18 @@ bool have_subscribers(RosConnection& connection, std::size_t count) {
   return soon([&] { return connection.publisher().subscribers() >= count; }, 30s);
 }
 
+/// A connection that has found its master, which it starts, and so many subscribers; ends well with the test.
+class Connected : public RosConnection {
+ public:
+  explicit Connected(RosMaster& master, std::size_t subscribers = 0, const RosOptions& options = {})
+      : RosConnection(options, sample_topics()) {
+    master.start();
+    start();
+    EXPECT_TRUE(wait_for_master(30s) && have_subscribers(*this, subscribers));
+  }
+  ~Connected() { EXPECT_TRUE(stop()); }
+};
+
 TEST(RosConnection, PublishesScansEchoesCloudsAndLatchedTransforms) {
   in_own_process([] {
     RosMaster master;
@@ -113,10 +125,7 @@ TEST(RosConnection, PublishesFixesTimeReferencesAndImuSamples) {
     Listener<sensor_msgs::NavSatFix> fixes("/roof/fix");
     Listener<sensor_msgs::TimeReference> references("/roof/time_reference");
     Listener<sensor_msgs::Imu> samples("/roof/imu");
-    master.start();
-    RosConnection connection({}, sample_topics());
-    connection.start();
-    ASSERT_TRUE(have_subscribers(connection, 3));
+    Connected connection(master, 3);
     connection.sink().publish(test::roof_fix, DeviceMessage(test::sample_fix()), Stamp{1});
     connection.sink().publish(test::roof_time, DeviceMessage(test::sample_time_reference()), Stamp{1});
     for (int i = 0; i < 20; ++i)
@@ -131,7 +140,6 @@ TEST(RosConnection, PublishesFixesTimeReferencesAndImuSamples) {
     const auto imu = samples.take(20);
     ASSERT_EQ(imu.size(), 20U) << "a burst is not dropped";
     EXPECT_EQ(imu[19].linear_acceleration.z, 9.8);
-    EXPECT_TRUE(connection.stop());
   });
 }
 
@@ -158,10 +166,7 @@ TEST(RosConnection, RegistersAgainAtAMasterThatWasRestarted) {
   in_own_process([] {
     RosMaster master;
     Listener<sensor_msgs::LaserScan> early("/front/scan");
-    master.start();
-    RosConnection connection({}, sample_topics());
-    connection.start();
-    ASSERT_TRUE(have_subscribers(connection, 1));
+    Connected connection(master, 1);
     master.kill();
     publish_for(connection, 200ms);
     ASSERT_TRUE(connection.flush(30s));
@@ -172,7 +177,6 @@ TEST(RosConnection, RegistersAgainAtAMasterThatWasRestarted) {
     MasterClient client({"127.0.0.1", master.port()}, "/test");
     EXPECT_TRUE(soon([&] { return client.topic_types()["/roof/points"] == "sensor_msgs/PointCloud2"; }));
     EXPECT_TRUE(soon([&] { return client.topic_types().count("/front/scan") == 1; }));
-    EXPECT_TRUE(connection.stop());
   });
 }
 
@@ -255,10 +259,7 @@ TEST(RosConnection, LosesNothingInAReplayAsFastAsItGoes) {
 TEST(RosConnection, ShowsDiagnosticsToRostopic) {
   in_own_process([] {
     RosMaster master;
-    master.start();
-    RosConnection connection({}, sample_topics());
-    connection.start();
-    ASSERT_TRUE(connection.wait_for_master(30s));
+    Connected connection(master);
     connection.sink().diagnostics(
         {{"front", "SN42", Health::warn, "no data for 2 s; check the cable", {{"IP Port", "6060"}}}},
         Stamp{1});
@@ -270,7 +271,6 @@ TEST(RosConnection, ShowsDiagnosticsToRostopic) {
     EXPECT_THAT(text, testing::HasSubstr("hardware_id: \"SN42\""));
     EXPECT_THAT(text, testing::HasSubstr("no data for 2 s; check the cable"));
     EXPECT_THAT(text, testing::HasSubstr("name: \"lidard: ROS\""));
-    EXPECT_TRUE(connection.stop());
   });
 }
 
@@ -278,12 +278,9 @@ TEST(RosConnection, CallsItemsOfAThreadThatHangsErrors) {
   in_own_process([] {
     RosMaster master;
     Listener<diagnostic_msgs::DiagnosticArray> listener("/diagnostics");
-    master.start();
     RosOptions aging;
     aging.longest_report_age = 1s;
-    RosConnection connection(aging, sample_topics());
-    connection.start();
-    ASSERT_TRUE(connection.wait_for_master(30s));
+    Connected connection(master, 0, aging);
     for (int i = 0; i < 40; ++i) {
       connection.sink().diagnostics({{"front", "SN42", Health::ok, "fine", {}}}, Stamp{1});
       std::this_thread::sleep_for(100ms);
@@ -294,7 +291,6 @@ TEST(RosConnection, CallsItemsOfAThreadThatHangsErrors) {
         if (message.status.front().hardware_id == "SN42") texts.push_back(message.status.front().message);
     EXPECT_GE(std::count(texts.begin(), texts.end(), "fine"), 3) << "once a second while it reports";
     EXPECT_THAT(texts.back(), testing::StartsWith("no report from the sensor thread for "));
-    EXPECT_TRUE(connection.stop());
   });
 }
 
@@ -302,12 +298,9 @@ TEST(RosConnection, PublishesTheClockOfAReplay) {
   in_own_process([] {
     RosMaster master;
     Listener<rosgraph_msgs::Clock> listener("/clock");
-    master.start();
     auto with_clock = blocking();
     with_clock.clock = true;
-    RosConnection connection(with_clock, sample_topics());
-    connection.start();
-    ASSERT_TRUE(connection.wait_for_master(30s));
+    Connected connection(master, 0, with_clock);
     std::vector<rosgraph_msgs::Clock> got;
     for (int i = 0; got.empty() && i < 100; ++i) {
       connection.publisher().publish_clock(Stamp{5'000'000'007});
@@ -315,26 +308,21 @@ TEST(RosConnection, PublishesTheClockOfAReplay) {
     }
     ASSERT_FALSE(got.empty());
     EXPECT_EQ(got[0].clock, ros::Time(5, 7));
-    EXPECT_TRUE(connection.stop());
   });
 }
 
 TEST(RosConnection, FollowsNamespaceNodeNameAndRemappings) {
   in_own_process([] {
     RosMaster master;
-    master.start();
     RosOptions remapped;
     remapped.remappings = {"__ns:=truck", "__name:=eyes", "front/scan:=bumper/scan"};
-    RosConnection connection(remapped, sample_topics());
-    connection.start();
-    ASSERT_TRUE(connection.wait_for_master(30s));
+    Connected connection(master, 0, remapped);
     MasterClient client({"127.0.0.1", master.port()}, "/test");
     const auto types = client.topic_types();
     EXPECT_EQ(types.count("/truck/bumper/scan"), 1U);
     EXPECT_EQ(types.count("/truck/roof/points"), 1U);
     EXPECT_EQ(types.count("/truck/front/scan"), 0U);
     EXPECT_EQ(types.count("/tf_static"), 1U);
-    EXPECT_TRUE(connection.stop());
     EXPECT_EQ(ros::this_node::getName(), "/truck/eyes");
   });
 }
@@ -342,10 +330,7 @@ TEST(RosConnection, FollowsNamespaceNodeNameAndRemappings) {
 TEST(RosConnection, ComesBackWhenSomebodyShutsItsNodeDown) {
   in_own_process([] {
     RosMaster master;
-    master.start();
-    RosConnection connection({}, sample_topics());
-    connection.start();
-    ASSERT_TRUE(connection.wait_for_master(30s));
+    Connected connection(master);
     for (int i = 1; i <= 2; ++i) {
       XmlRpc::XmlRpcValue arguments;
       arguments[0] = "/intruder";
@@ -364,7 +349,6 @@ TEST(RosConnection, ComesBackWhenSomebodyShutsItsNodeDown) {
     }
     MasterClient client({"127.0.0.1", master.port()}, "/test");
     EXPECT_EQ(client.topic_types().count("/front/scan"), 1U);
-    EXPECT_TRUE(connection.stop());
   });
 }
 

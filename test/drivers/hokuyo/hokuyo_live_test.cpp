@@ -11,7 +11,6 @@
 
 #include "drivers/model.h"
 #include "drivers/net/tcp_source.h"
-#include "drivers/registry/registry.h"
 #include "test/drivers/hokuyo/scip_bench.h"
 #include "test/sim/devices/scip_device.h"
 #include "test/sim/devices/uam_device.h"
@@ -24,16 +23,13 @@ namespace {
 using namespace std::chrono_literals;
 using sim::DeviceServer;
 
-class Live : public DriverOutput {
+/// A driver behind a TcpSource, as the daemon has it; the device is a server on loopback.
+class LiveDriver final : public DriverBench {
  public:
-  Live(const std::string& model, const DeviceServer& server) {
-    DriverConfig config;
-    config.model = find_model(model);
-    config.frame_id = "laser";
-    driver = config.model->make(config);
+  LiveDriver(const std::string& model, const sim::DeviceServer& server) : DriverBench(model) {
     TcpOptions options;
     options.device = {IpAddress::v4(127, 0, 0, 1), server.port()};
-    options.read_time_out = 1s;
+    options.read_time_out = std::chrono::seconds(1);
     TcpHandlers handlers;
     handlers.receive = [this](Packet packet) {
       packet.arrival = {packet.received.ns};
@@ -46,42 +42,35 @@ class Live : public DriverOutput {
     tick();
   }
 
-  void scan(PlanarScan& scan) override {
-    EXPECT_EQ(violation(scan), nullptr);
-    ++scans;
-    last_stamp = scan.stamp;
-  }
-  void cloud(Cloud&) override { ADD_FAILURE(); }
   void request(ByteView bytes) override { source->send(bytes); }
   void disconnect(bool again) override { source->disconnect(again, "the sensor does not answer"); }
 
   void run(Span time) { io.run_for(time); }
-  /// Time until `scans` more scans came, without what was waited for a processor; at most 30 s.
-  double until_scans(std::uint64_t more) {
-    const std::uint64_t wanted = scans + more;
+  /// s until `more` further scans came, without what was waited for a processor; at most 30 s.
+  double until_scans(std::size_t more) {
+    const std::size_t wanted = scans.size() + more;
     const Starved starved;
     const auto begin = std::chrono::steady_clock::now();
-    while (scans < wanted && std::chrono::steady_clock::now() - begin < 30s) io.run_for(5ms);
-    const double took = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    return scans < wanted ? took : took - starved.seconds();
+    const auto passed = [&] {
+      return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    };
+    while (scans.size() < wanted && passed() < 30) io.run_for(std::chrono::milliseconds(5));
+    return scans.size() < wanted ? passed() : passed() - starved.seconds();
   }
 
   boost::asio::io_context io;
-  std::unique_ptr<Driver> driver;
   std::unique_ptr<TcpSource> source;
-  std::uint64_t scans = 0;
-  Stamp last_stamp;
 
  private:
   void tick() {
-    timer.expires_after(20ms);
-    timer.async_wait([this](const boost::system::error_code& error) {
+    timer_.expires_after(std::chrono::milliseconds(20));
+    timer_.async_wait([this](const boost::system::error_code& error) {
       if (error) return;
       driver->tick(sim::now_of_host(), *this);
       tick();
     });
   }
-  boost::asio::steady_timer timer{io};
+  boost::asio::steady_timer timer_{io};
 };
 
 std::unique_ptr<sim::TcpDevice> ust() {
@@ -105,16 +94,16 @@ const Endpoint loopback{IpAddress::v4(127, 0, 0, 1), 0};
 
 TEST(HokuyoLive, StreamsWithoutLoss) {
   DeviceServer server(loopback, ust());
-  Live live("hokuyo_ust_10lx", server);
+  LiveDriver live("hokuyo_ust_10lx", server);
   live.until_scans(10);
-  const std::uint64_t before = live.scans;
-  const Stamp from = live.last_stamp;
+  const std::uint64_t before = live.scans.size();
+  const Stamp from = live.scans.back().stamp;
   const Starved starved;
   EXPECT_LT(live.until_scans(120), 3.3);
-  EXPECT_GE(live.scans - before, 120U);
+  EXPECT_GE(live.scans.size() - before, 120U);
   // By the device's own clock; each missing scan would be 25 ms more.
-  EXPECT_NEAR(seconds(live.last_stamp - from), 0.025 * static_cast<double>(live.scans - before),
-              0.01 + starved.seconds());
+  EXPECT_NEAR(seconds(live.scans.back().stamp - from),
+              0.025 * static_cast<double>(live.scans.size() - before), 0.01 + starved.seconds());
   EXPECT_EQ(live.driver->counters().lost_packets, 0U);
   EXPECT_EQ(live.driver->counters().rejected_total(), 0U);
   EXPECT_EQ(server.connections(), 1U);
@@ -131,7 +120,7 @@ TEST(HokuyoLive, ComesBackWithinTwoSecondsWhateverHappensToTheConnection) {
              [](sim::ScipDevice& device) { device.power_cycle(sim::now_of_host()); });
        }}};
   DeviceServer server(loopback, ust());
-  Live live("hokuyo_ust_10lx", server);
+  LiveDriver live("hokuyo_ust_10lx", server);
   live.until_scans(10);
   for (const auto& [name, happens] : accidents) {
     happens(server);
@@ -144,7 +133,7 @@ TEST(HokuyoLive, ComesBackWithinTwoSecondsWhateverHappensToTheConnection) {
 
 TEST(HokuyoLive, AHalfOpenConnectionIsLeftAndMadeAnew) {
   DeviceServer server(loopback, ust());
-  Live live("hokuyo_ust_10lx", server);
+  LiveDriver live("hokuyo_ust_10lx", server);
   live.until_scans(10);
   server.hang(true);
   live.run(3s);
@@ -155,7 +144,7 @@ TEST(HokuyoLive, AHalfOpenConnectionIsLeftAndMadeAnew) {
 
 TEST(HokuyoLive, AUamStreamsAndComesBack) {
   DeviceServer server(loopback, uam());
-  Live live("hokuyo_uam_05lp", server);
+  LiveDriver live("hokuyo_uam_05lp", server);
   EXPECT_LT(live.until_scans(20), 4);
   server.drop(true);
   EXPECT_LT(live.until_scans(5), 2.2);

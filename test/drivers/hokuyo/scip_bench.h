@@ -6,13 +6,12 @@
 
 #include <algorithm>
 #include <deque>
-#include <memory>
 #include <string>
 #include <vector>
 
 #include "drivers/model.h"
-#include "drivers/registry/registry.h"
 #include "test/sim/devices/scip_device.h"
+#include "test/support/collector.h"
 
 namespace lidard::test {
 
@@ -27,23 +26,14 @@ inline std::vector<sim::ScipStep> scip_wall(int steps) {
 }
 
 /// A TCP device and its driver with a cable between them, on a clock of their own.
-class TcpBench : public DriverOutput {
+class TcpBench : public DriverBench {
  public:
-  TcpBench(const std::string& model, DriverConfig config = {}) {
-    config.model = find_model(model);
-    config.frame_id = "laser";
-    driver = config.model->make(config);
-  }
+  using DriverBench::DriverBench;
 
   void scan(PlanarScan& scan) override {
-    EXPECT_EQ(violation(scan), nullptr) << violation(scan);
-    scans.push_back(scan);
+    DriverBench::scan(scan);
     arrivals.push_back(now);
     sweeps.push_back(sweep);
-  }
-  void cloud(Cloud&) override { ADD_FAILURE() << "a planar scanner made a cloud"; }
-  void message(const DeviceMessage& message) override {
-    if (const auto* state = std::get_if<DeviceState>(&message)) states.push_back(*state);
   }
   void request(ByteView bytes) override {
     written += bytes.text();
@@ -52,7 +42,7 @@ class TcpBench : public DriverOutput {
   Stamp leaves(Stamp) override { return leaves_at; }
   void disconnect(bool again) override {
     EXPECT_TRUE(again);
-    ++disconnects;
+    ++reconnects;
     cut = true;
   }
 
@@ -68,6 +58,9 @@ class TcpBench : public DriverOutput {
     uplink.clear();
     online = cut = false;
   }
+  Reject feed(std::string_view bytes, bool start = false, std::uint64_t missing = 0) {
+    return DriverBench::feed(ByteView(bytes), start, missing).reject;
+  }
   /// Lets both talk; a connection that the driver ends is made again after 0.2 s.
   void run(Span time) {
     const Stamp end = now + time;
@@ -77,35 +70,10 @@ class TcpBench : public DriverOutput {
       step(end);
     }
   }
-  bool has_warning(const std::string& part) const {
-    for (const std::string& each : driver->info().warnings) {
-      if (each.find(part) != std::string::npos) return true;
-    }
-    return false;
-  }
-  std::string detail(const std::string& key) const {
-    for (const auto& each : driver->info().details) {
-      if (each.first == key) return each.second;
-    }
-    return "(missing)";
-  }
-  Reject feed(std::string_view bytes, bool start = false, std::uint64_t missing = 0) {
-    Packet packet;
-    packet.payload = ByteView(bytes);
-    packet.arrival = now;
-    packet.transport = Transport::tcp;
-    packet.stream_start = start;
-    packet.missing = missing;
-    return driver->receive(packet, *this).reject;
-  }
 
-  std::unique_ptr<Driver> driver;
   sim::TcpDevice* device = nullptr;
-  std::vector<PlanarScan> scans;
   std::vector<Stamp> arrivals, sweeps;  // beside scans
-  std::vector<DeviceState> states;
   std::string written;
-  Stamp now = scip_epoch;
   Span way_up{50'000}, way_up_jitter{0};
   Span host_late{0};  // up to so long the host reads after an arrival
   sim::Rng rng{1};
@@ -113,7 +81,6 @@ class TcpBench : public DriverOutput {
   bool recording = false;
   std::vector<std::pair<Stamp, std::string>> recorded;  // arrival and bytes, as a capture has them
   bool doubled = false;                                 // something on the way sends everything twice
-  int disconnects = 0;
 
  private:
   struct Upward {

@@ -317,28 +317,6 @@ TEST(ScipClock, LostScansAreCountedByTheirTime) {
   EXPECT_EQ(bench.driver->counters().lost_packets, 4U);
 }
 
-TEST(ScipClock, AStepOfTheHostClockNeitherStopsNorFreezesStamps) {
-  for (const Span step : {Span(3600s), Span(-3600s)}) {
-    hokuyo::ScipClock clock(ClockMode::smooth, false);
-    Stamp arrival = scip_epoch;
-    std::uint64_t ticks = 1000;
-    std::int64_t skipped = 0;
-    for (int i = 0; i < 200; ++i, ticks += 25) {
-      arrival = arrival + 25ms;
-      if (i == 100) arrival = arrival + step;
-      hokuyo::ScipClock::Sweep sweep;
-      sweep.stamp = {ticks, false};
-      sweep.period = 25ms;
-      sweep.until_sent = 18ms;
-      sweep.arrival = arrival;
-      const Stamp begin = clock.begin_of(sweep, skipped);
-      EXPECT_NEAR(seconds(arrival - begin), 0.018, 0.001) << i;
-      EXPECT_EQ(skipped, 0);
-    }
-    EXPECT_EQ(clock.steps(), 1U);
-  }
-}
-
 TEST(ScipClock, UnsmoothedEveryScanIsPlacedByItsOwnArrival) {
   DriverConfig config;
   config.clock = ClockMode::arrival;

@@ -155,7 +155,7 @@ TEST(ScipDialogue, WhenNothingFitsTheSensorIsAskedAgainAndForLess) {
   bench.run(3s);
   EXPECT_EQ(bench.written, "QT\nVV\nPP\nII\n%ME0000108001000\nQT\nVV\nPP\nII\nME0000108001000\n");
   EXPECT_GT(bench.scans.size(), 50U);
-  EXPECT_EQ(bench.disconnects, 0);
+  EXPECT_EQ(bench.reconnects, 0);
   EXPECT_GE(bench.driver->counters().rejected_total(), 20U);
   EXPECT_TRUE(bench.driver->info().warnings.empty()) << "it works, and the counters tell what was lost";
 }
@@ -200,7 +200,7 @@ TEST(ScipDialogue, RefusalsAreToldInWordsAndAskedAgainUntilTheyEnd) {
     bench.run(2s);
     EXPECT_GT(bench.scans.size(), 30U) << status;
     EXPECT_TRUE(bench.driver->info().warnings.empty()) << status;
-    EXPECT_EQ(bench.disconnects, 0) << status;
+    EXPECT_EQ(bench.reconnects, 0) << status;
   }
 }
 
@@ -244,9 +244,9 @@ TEST(ScipDialogue, ASensorThatDoesNotAnswerIsLeftAndTriedAgain) {
   bench.muted = true;
   bench.run(2s);
   EXPECT_TRUE(bench.has_warning("does not answer QT"));
-  EXPECT_EQ(bench.disconnects, 0) << "it may be slow";
+  EXPECT_EQ(bench.reconnects, 0) << "it may be slow";
   bench.run(10s);
-  EXPECT_EQ(bench.disconnects, 1);
+  EXPECT_EQ(bench.reconnects, 1);
   bench.muted = false;
   bench.run(3s);
   EXPECT_GT(bench.scans.size(), 30U);
@@ -258,7 +258,7 @@ TEST(ScipDialogue, ASensorThatTakesSecondsForEachAnswerGetsThrough) {
     ScipBench bench;
     bench.way_up = way;
     bench.run(8 * way);
-    EXPECT_EQ(bench.disconnects, 0);
+    EXPECT_EQ(bench.reconnects, 0);
     EXPECT_GT(bench.scans.size(), 30U);
     EXPECT_TRUE(bench.driver->info().warnings.empty());
   }
@@ -273,7 +273,7 @@ TEST(ScipDialogue, WhatComesTwiceIsCountedAndNotPublishedAgain) {
     ASSERT_NEAR(seconds(bench.scans[i].stamp - bench.scans[i - 1].stamp), 0.025, 0.002) << i;
   EXPECT_EQ(bench.driver->counters().rejected[static_cast<std::size_t>(Reject::duplicate)],
             bench.scans.size());
-  EXPECT_EQ(bench.disconnects, 0);
+  EXPECT_EQ(bench.reconnects, 0);
   EXPECT_TRUE(bench.driver->info().warnings.empty());
 }
 
@@ -282,10 +282,10 @@ TEST(ScipDialogue, AStreamThatStopsIsAskedForAgainThenTheConnectionIsMadeAnew) {
   bench.run(1s);
   bench.muted = true;
   bench.run(700ms);
-  EXPECT_EQ(bench.disconnects, 0);
+  EXPECT_EQ(bench.reconnects, 0);
   EXPECT_EQ(bench.written, "QT\nVV\nPP\nII\nME0000108001000\nQT\n");
   bench.run(2500ms);
-  EXPECT_EQ(bench.disconnects, 1);
+  EXPECT_EQ(bench.reconnects, 1);
   EXPECT_TRUE(bench.has_warning("stopped sending"));
 }
 

@@ -372,10 +372,7 @@ TEST(ScipDriver, AllocatesNothingOnceWarm) {
   options.knows_echoes = true;
   for (const char* request : {"ME0000108001000", "NE0000108001000"}) {
     const std::string stream = recording(options, request, 2s);
-    class Nowhere final : public DriverOutput {
-      void scan(PlanarScan&) override {}
-      void cloud(Cloud&) override {}
-    } nowhere;
+    Counted nowhere;
     DriverConfig config = with_echoes();
     config.model = find_model("hokuyo_utm_30lx_ew");
     const auto driver = config.model->make(config);

@@ -8,6 +8,7 @@
 #include "test/drivers/velodyne/telemetry_bench.h"
 #include "test/support/allocations.h"
 #include "test/support/captures.h"
+#include "test/support/collector.h"
 
 namespace lidard::velodyne {
 namespace {
@@ -335,15 +336,7 @@ TEST(TelemetryReceiver, StartsAnewAfterRestart) {
 }
 
 TEST(TelemetryReceiver, AllocatesNothingPerPacket) {
-  class Ignore final : public DriverOutput {
-   public:
-    void scan(PlanarScan&) override {}
-    void cloud(Cloud&) override {}
-    void message(const DeviceMessage& message) override {
-      fixes += std::holds_alternative<GnssFix>(message) ? 1 : 0;
-    }
-    std::size_t fixes = 0;
-  } out;
+  test::Counted out;
   TelemetryBench bench(true);
   std::vector<TelemetryBytes> packets(200);
   for (std::size_t i = 0; i < packets.size(); ++i)

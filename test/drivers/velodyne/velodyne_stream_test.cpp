@@ -229,12 +229,7 @@ TEST(VelodyneStream, RandomBytesNeverCrashAndAreAllCounted) {
 }
 
 TEST(VelodyneStream, DecodingAllocatesNothingAfterWarmUp) {
-  class Ignore final : public DriverOutput {
-   public:
-    void scan(PlanarScan& /*scan*/) override {}
-    void cloud(Cloud& cloud) override { points += cloud.size(); }
-    std::size_t points = 0;
-  } out;
+  test::Counted out;
   for (const bool dual : {false, true}) {
     Stream stream(dual);
     const auto driver = make_driver(0, false, false);

@@ -221,6 +221,7 @@ TEST(ColaDialogue, LogsInForTheSubscriptionWhenALevelIsConfigured) {
   config.requests.password_hash = "0BE23AA1";
   ColaBench bench("sick_lms1xx", config);
   FakeDevice device(bench);
+  device.answers["sMN SetAccessMode"] = ColaWords(Cola::binary, "sAN SetAccessMode").number(1, 1).bytes();
   device.answers["sEN LMDscandata"] = refusal(Cola::binary, 1);
   bench.driver->connected(bench.now, bench);
   device.run();
@@ -236,6 +237,7 @@ TEST(ColaDialogue, AfterALoginItLetsTheDeviceRun) {
   config.requests.user_level = "3";
   ColaBench bench("sick_tim7xxs", config);
   FakeDevice device(bench);
+  device.options().password = 0x6FD62C05;
   device.answers["sEN LMDscandata"] = refusal(Cola::binary, 1);
   bench.driver->connected(bench.now, bench);
   for (int i = 0; i < 10; ++i) {

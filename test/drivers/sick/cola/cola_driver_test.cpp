@@ -10,7 +10,6 @@
 #include "drivers/registry/registry.h"
 #include "drivers/sick/cola/cola_models.h"
 #include "test/drivers/sick/cola/cola_bench.h"
-#include "test/sim/world/rng.h"
 #include "test/sim/world/units.h"
 #include "test/support/allocations.h"
 
@@ -294,47 +293,6 @@ TEST(ColaDriver, StampIsThatOfTheFirstBeam) {
   EXPECT_EQ(first.scans.at(0).stamp, start);
   const Span sweep = span_from_seconds(540 * 0.02 * 0.5 / 360);
   EXPECT_NEAR(static_cast<double>((last.scans.at(0).stamp - (start - sweep)).count()), 0, 10);
-}
-
-TEST(ColaDriver, StampsFollowTheDeviceClockAndNotTheNetwork) {
-  ColaBench bench;
-  sim::Rng random(3);
-  std::vector<double> jitter;
-  const Stamp begin = bench.now;
-  for (int i = 0; i < 500; ++i) {
-    const Stamp due = begin + std::chrono::milliseconds(20) * i;
-    bench.now = due + span_from_seconds(random.uniform() * 0.004) - std::chrono::milliseconds(20);
-    bench.send_next();
-    const Span off = bench.scans.back().stamp - due;
-    if (i > 250) jitter.push_back(seconds(off));
-  }
-  const auto [low, high] = std::minmax_element(jitter.begin(), jitter.end());
-  EXPECT_LT(*high - *low, 150e-6) << "4 ms of jitter";
-}
-
-TEST(ColaDriver, MicrosecondsMayWrap) {
-  ColaBench bench;
-  bench.sample.start_us = 0xffffffffU - 50'000;
-  bench.sample.transmit_us = bench.sample.start_us + 3000;
-  for (int i = 0; i < 10; ++i) bench.send_next();
-  ASSERT_EQ(bench.scans.size(), 10U);
-  for (std::size_t i = 1; i < 10; ++i) {
-    EXPECT_EQ(bench.scans[i].stamp - bench.scans[i - 1].stamp, std::chrono::milliseconds(20));
-  }
-  EXPECT_EQ(bench.counters().clock_steps, 0U);
-}
-
-TEST(ColaDriver, ARestartedDeviceStartsAFreshClock) {
-  ColaBench bench;
-  for (int i = 0; i < 100; ++i) bench.send_next();
-  bench.now = bench.now + std::chrono::seconds(20);
-  bench.sample.start_us = 500'000;
-  bench.sample.transmit_us = 503'000;
-  bench.sample.telegram_counter = 0;
-  for (int i = 0; i < 100; ++i) bench.send_next();
-  const Span late = bench.now - bench.scans.back().stamp;
-  EXPECT_NEAR(seconds(late), 0.003 + 0.015, 0.001);
-  EXPECT_EQ(bench.counters().lost_packets, 0U);
 }
 
 // The counter of microseconds overflows after 71.6 min: a device that was off for 90 min seems to have

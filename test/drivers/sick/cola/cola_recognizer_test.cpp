@@ -237,11 +237,7 @@ TEST(ColaRecognizer, RecordedScansOfAnLms5xxAreRecognisedAndKeepTheirFarReturns)
   for (const Recorded& each : {Recorded{"sick/lms5xx_colaa_scale2_25m.pcap", 241, 1056, 18, 5307984},
                                Recorded{"sick/lms5xx_colaa_100hz.pcap", 181, 1074, 0, 2175570}}) {
     LIDARD_NEED_CAPTURE(path, each.capture);
-    struct Keeper final : DriverOutput {
-      void scan(PlanarScan& scan) override { scans.push_back(scan); }
-      void cloud(Cloud&) override {}
-      std::vector<PlanarScan> scans;
-    } out;
+    Collector out;
     Identifier identifier;
     PcapSource first(path);
     for (Packet packet; first.next(packet);) {

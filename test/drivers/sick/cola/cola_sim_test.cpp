@@ -1,20 +1,15 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// The driver against a simulated scanner: first on a virtual clock, then over a real connection.
+// The driver against a simulated scanner on a virtual clock.
 #include <gmock/gmock.h>
 
 #include <algorithm>
-#include <boost/asio/io_context.hpp>
-#include <boost/asio/steady_timer.hpp>
 #include <cmath>
-#include <cstdio>
 
 #include "drivers/model.h"
-#include "drivers/net/tcp_source.h"
-#include "drivers/registry/registry.h"
 #include "test/sim/devices/cola_device.h"
-#include "test/sim/servers/device_server.h"
+#include "test/support/collector.h"
 
 namespace lidard::test {
 namespace {
@@ -33,28 +28,21 @@ std::vector<sim::ColaBeam> room(Stamp when, std::size_t beams) {
 }
 
 /// One scanner and its driver on one virtual clock.
-class Session final : public DriverOutput {
+class Session final : public DriverBench {
  public:
   explicit Session(ColaDeviceOptions options = {}, const char* model = "sick_lms1xx",
                    DriverConfig config = {})
-      : device(std::move(options), room, now) {
-    config.model = find_model(model);
-    driver = config.model->make(config);
-  }
+      : DriverBench(model, std::move(config)), device(std::move(options), room, now) {}
 
   void scan(PlanarScan& scan) override {
-    ASSERT_EQ(violation(scan), nullptr);
-    ++scans;
+    DriverBench::scan(scan);
     lag = seconds(scan.stamp - sweep);
     ASSERT_EQ(scan.ranges.size(), device.options().beams);
     const auto expected = room(sweep, 3);
     EXPECT_FLOAT_EQ(scan.ranges[2], static_cast<float>(expected[2].mm[0] * 1e-3));
     EXPECT_TRUE(std::isinf(scan.ranges[0]) && std::isnan(scan.ranges[1]));
   }
-  void cloud(Cloud&) override { ++clouds; }
   void request(ByteView bytes) override { to_device += bytes.text(); }
-  void note(std::string_view sentence) override { notes.emplace_back(sentence); }
-  void disconnect(bool) override { ++disconnects; }
 
   void connect() {
     device.connected(now);
@@ -71,32 +59,21 @@ class Session final : public DriverOutput {
       now = now + std::chrono::milliseconds(2);
       if (!to_device.empty()) device.receive(std::exchange(to_device, {}), now);
       while (const auto outgoing = device.next(now)) {
+        if (outgoing->sweep) sweep = *outgoing->sweep;
         Packet packet;
         packet.payload = ByteView(outgoing->bytes);
         packet.arrival = outgoing->time;
         packet.transport = Transport::tcp;
-        if (outgoing->sweep) sweep = *outgoing->sweep;
         driver->receive(packet, *this);
       }
       driver->tick(now, *this);
     }
   }
-  bool has_warning(const std::string& part) const {
-    for (const std::string& each : driver->info().warnings) {
-      if (each.find(part) != std::string::npos) return true;
-    }
-    return false;
-  }
 
-  Stamp now{1'800'000'000'000'000'000};
   ColaDevice device;
-  std::unique_ptr<Driver> driver;
   std::string to_device;
   Stamp sweep;
-  std::size_t scans = 0, clouds = 0;
-  int disconnects = 0;
   double lag = 0;
-  std::vector<std::string> notes;
 };
 
 TEST(ColaSim, StampsAreTheFirstBeamsInBothConventions) {
@@ -118,7 +95,7 @@ TEST(ColaSim, ANavIsAskedForItsAngles) {
     Session session(options, "sick_nav31x");
     session.connect();
     session.run(2);
-    EXPECT_GT(session.scans, 50U);
+    EXPECT_GT(session.scans.size(), 50U);
     EXPECT_NE(session.device.received().find("sRN MCAngleCompSin"), std::string::npos);
     EXPECT_EQ(session.has_warning("MCAngleCompSin"), !knows);
   }
@@ -152,7 +129,7 @@ TEST(ColaSim, ContaminationIsAskedForAgainAndAgainBesideTheStream) {
       session.run(11);
       EXPECT_FALSE(session.has_warning("contamination"));
     }
-    EXPECT_EQ(session.disconnects, 0);
+    EXPECT_EQ((session.reconnects + session.closes), 0);
     EXPECT_EQ(session.driver->counters().lost_packets, 0U);
   }
 }
@@ -161,15 +138,15 @@ TEST(ColaSim, ComesBackAfterAPowerCycle) {
   Session session;
   session.connect();
   session.run(3);
-  const std::size_t before = session.scans;
+  const std::size_t before = session.scans.size();
   session.device.power_cycle(session.now);
   session.drop();
   session.device.options().boot = std::chrono::seconds(1);
   session.run(5);
-  EXPECT_EQ(session.scans, before);
+  EXPECT_EQ(session.scans.size(), before);
   session.connect();
   session.run(2);
-  EXPECT_GT(session.scans, before + 90);
+  EXPECT_GT(session.scans.size(), before + 90);
   EXPECT_NEAR(session.lag, 50e-6, 50e-6);
 }
 
@@ -177,13 +154,13 @@ TEST(ColaSim, ADeviceThatStillStartsUpIsAskedAgain) {
   ColaDeviceOptions options;
   options.boot = std::chrono::seconds(3);
   Session session(options);
-  for (int attempt = 0; attempt < 10 && session.scans == 0; ++attempt) {
+  for (int attempt = 0; attempt < 10 && session.scans.empty(); ++attempt) {
     session.connect();
     session.run(1);
-    if (session.disconnects > attempt) session.drop();
+    if ((session.reconnects + session.closes) > attempt) session.drop();
   }
-  EXPECT_GT(session.scans, 0U);
-  EXPECT_GE(session.disconnects, 2);
+  EXPECT_GT(session.scans.size(), 0U);
+  EXPECT_GE((session.reconnects + session.closes), 2);
   EXPECT_FALSE(session.has_warning("refused"));
 }
 
@@ -206,7 +183,7 @@ TEST(ColaSim, WritesOnceAndFindsItAgreesNextTime) {
     session.connect();
     session.run(3);
     EXPECT_EQ(session.device.writes(), 1);
-    EXPECT_GT(session.scans, 20U);
+    EXPECT_GT(session.scans.size(), 20U);
   }
 }
 
@@ -223,89 +200,8 @@ TEST(ColaSim, FourPlanesOfAnMrs1000) {
   Session session(options, "sick_mrs1000");
   session.connect();
   session.run(4);
-  EXPECT_GE(session.clouds, 45U);
+  EXPECT_GE(session.clouds.size(), 45U);
   EXPECT_LE(session.driver->counters().partial_frames, 1U);
-}
-
-/// A driver behind a TcpSource, as the daemon has it.
-class LiveClient final : public DriverOutput {
- public:
-  LiveClient(boost::asio::io_context& io, std::uint16_t port, const char* model) {
-    DriverConfig config;
-    config.model = find_model(model);
-    driver = config.model->make(config);
-    TcpOptions options;
-    options.device = {IpAddress::v4(127, 0, 0, 1), port};
-    TcpHandlers handlers;
-    handlers.receive = [this](Packet packet) {
-      packet.arrival = {packet.received.ns};
-      driver->receive(packet, *this);
-    };
-    handlers.connected = [this](HostStamp at) { driver->connected({at.ns}, *this); };
-    handlers.disconnected = [this] { driver->disconnected(); };
-    source = std::make_unique<TcpSource>(io, options, handlers);
-    source->start();
-  }
-  void scan(PlanarScan& scan) override {
-    EXPECT_EQ(violation(scan), nullptr);
-    ++scans;
-  }
-  void cloud(Cloud&) override {}
-  void request(ByteView bytes) override { source->send(bytes); }
-  void disconnect(bool again) override { source->disconnect(again, "the dialogue ended"); }
-
-  std::unique_ptr<Driver> driver;
-  std::unique_ptr<TcpSource> source;
-  std::size_t scans = 0;
-};
-
-class ColaLive : public ::testing::TestWithParam<Cola> {};
-INSTANTIATE_TEST_SUITE_P(Dialects, ColaLive, ::testing::Values(Cola::binary, Cola::text),
-                         [](const auto& each) { return each.param == Cola::binary ? "binary" : "text"; });
-
-TEST_P(ColaLive, StreamsAndComesBackAfterResetPowerCycleAndSilence) {
-  ColaDeviceOptions options;
-  options.dialect = GetParam();
-  sim::DeviceServer server({IpAddress::v4(127, 0, 0, 1), 0},
-                           std::make_unique<ColaDevice>(options, room, sim::now_of_host()));
-  boost::asio::io_context io;
-  LiveClient client(io, server.port(), "sick_lms1xx");
-  boost::asio::steady_timer ticker(io);
-  std::function<void()> tick = [&] {
-    ticker.expires_after(std::chrono::milliseconds(50));
-    ticker.async_wait([&](const auto& error) {
-      if (error) return;
-      client.driver->tick(sim::now_of_host(), client);
-      tick();
-    });
-  };
-  tick();
-  /// Seconds until `count` more scans came.
-  const auto wait_for_scans = [&](std::size_t count, double limit) {
-    const Stamp begin = sim::now_of_host();
-    const std::size_t goal = client.scans + count;
-    while (client.scans < goal && seconds(sim::now_of_host() - begin) < limit)
-      io.run_for(std::chrono::milliseconds(20));
-    EXPECT_GE(client.scans, goal);
-    return seconds(sim::now_of_host() - begin);
-  };
-  wait_for_scans(50, 60);
-  EXPECT_EQ(client.driver->counters().lost_packets, 0U);
-  server.drop(true);
-  const double after_reset = wait_for_scans(5, 60);
-  server.switch_off();
-  io.run_for(std::chrono::milliseconds(300));
-  server.with<ColaDevice>([](ColaDevice& device) { device.power_cycle(sim::now_of_host()); });
-  server.switch_on();
-  const double after_power = wait_for_scans(5, 60);
-  server.hang(true);
-  io.run_for(std::chrono::milliseconds(700));
-  server.hang(false);
-  const double after_silence = wait_for_scans(5, 60);
-  std::printf("scans again %.2f s after a reset, %.2f s after a power cycle, %.2f s after silence\n",
-              after_reset, after_power, after_silence);
-  EXPECT_EQ(client.driver->counters().rejected_total(), 0U);
-  client.source->stop();
 }
 
 }  // namespace

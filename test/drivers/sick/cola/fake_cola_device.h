@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "test/drivers/sick/cola/cola_bench.h"
+#include "test/sim/devices/cola_device.h"
 
 namespace lidard::test {
 
@@ -34,12 +35,15 @@ inline Bytes refusal(Cola dialect, unsigned code) {
   return binary(std::string("sFA") + '\0' + static_cast<char>(code));
 }
 
-/// A device that answers as asked of it; what it does not know it leaves unanswered.
+/// The simulated scanner at the other end of the bench's cable: answers at once, and sends no scans.
 class FakeDevice {
  public:
-  explicit FakeDevice(ColaBench& bench, Cola dialect = Cola::binary) : bench_(bench), dialect_(dialect) {}
+  explicit FakeDevice(ColaBench& bench, Cola dialect = Cola::binary)
+      : answers{{"sRN LMDscandatacfg", settings(dialect, "sRA LMDscandatacfg")}},
+        bench_(bench),
+        device_(options_of(dialect), {}, bench.now - std::chrono::hours(1)) {}
 
-  /// Answers to commands that begin like this, instead of the usual ones.
+  /// Answers to commands that begin like this, instead of the scanner's.
   std::map<std::string, Bytes> answers;
 
   void connect() {
@@ -48,17 +52,18 @@ class FakeDevice {
   }
   /// Lets time pass.
   void wait(double s) {
-    bench_.now = bench_.now + span_from_seconds(s);
-    bench_.driver->tick(bench_.now, bench_);
+    bench_.tick(s);
     run();
   }
   /// Answers what has been asked since, at most so often.
   void run(int most = 100) {
     while (most > 0 && answered_ < bench_.requests.size()) {
       const Bytes request = bench_.requests[answered_++];
-      const Bytes answer = answer_to(request);
-      if (answer.empty()) continue;
-      bench_.send(answer);
+      device_.receive({reinterpret_cast<const char*>(request.data()), request.size()}, bench_.now);
+      const auto sent = device_.next(bench_.now + std::chrono::seconds(1));
+      if (!sent) continue;
+      const auto other = answers.find(command_of(request));
+      bench_.send(other != answers.end() ? other->second : Bytes(sent->bytes.begin(), sent->bytes.end()));
       --most;
     }
   }
@@ -68,37 +73,24 @@ class FakeDevice {
     for (const Bytes& request : bench_.requests) all.push_back(command_of(request));
     return all;
   }
+  sim::ColaDeviceOptions& options() { return device_.options(); }
 
  private:
+  static sim::ColaDeviceOptions options_of(Cola dialect) {
+    sim::ColaDeviceOptions options;
+    options.dialect = dialect;
+    options.measures = false;
+    options.contamination = 0;
+    return options;
+  }
   static std::string command_of(const Bytes& request) {
     const std::size_t head = request.at(1) == 2 ? 8 : 1;
     const std::string payload(request.begin() + static_cast<std::ptrdiff_t>(head), request.end() - 1);
     return payload.substr(0, payload.find(' ', 4));
   }
-  Bytes answer_to(const Bytes& request) const {
-    const bool is_binary = request.at(1) == 2;
-    if (is_binary != (dialect_ == Cola::binary)) return {};
-    const std::string command = command_of(request);
-    if (const auto found = answers.find(command); found != answers.end()) return found->second;
-    const std::string name = command.substr(4);
-    if (name == "DeviceIdent")
-      return ColaWords(dialect_, "sRA DeviceIdent").text("LMS1xx", 2).text("V1.80", 2).bytes();
-    if (name == "LMPoutputRange") {
-      return ColaWords(dialect_, "sRA LMPoutputRange")
-          .number(1, 2)
-          .number(5000, 4)
-          .number(static_cast<std::uint32_t>(-450000), 4)
-          .number(2250000, 4)
-          .bytes();
-    }
-    if (command == "sRN LMDscandatacfg") return settings(dialect_, "sRA LMDscandatacfg");
-    if (command[1] == 'W') return ColaWords(dialect_, "sWA " + name).bytes();
-    if (command[1] == 'M') return ColaWords(dialect_, "sAN " + name).number(1, 1).bytes();
-    return ColaWords(dialect_, "sEA " + name).number(1, 1).bytes();
-  }
 
   ColaBench& bench_;
-  Cola dialect_;
+  sim::ColaDevice device_;
   std::size_t answered_ = 0;
 };
 

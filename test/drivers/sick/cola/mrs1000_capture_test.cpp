@@ -93,16 +93,6 @@ TEST(Mrs1000Capture, EveryEchoOfEveryTelegramComesOut) {
   EXPECT_EQ(echoes[2], 0U);
 }
 
-/// Takes the samples of the inertial unit.
-struct ImuKeeper final : DriverOutput {
-  void scan(PlanarScan& /*scan*/) override {}
-  void cloud(Cloud& /*cloud*/) override {}
-  void message(const DeviceMessage& message) override {
-    if (const auto* imu = std::get_if<ImuSample>(&message)) samples.push_back(*imu);
-  }
-  std::vector<ImuSample> samples;
-};
-
 // At rest: the acceleration is that of gravity, and the rotation that the unit tells turns it upright. The
 // samples come every 10 ms; the values of the first were read from its bytes.
 TEST(Mrs1000Capture, TheInertialUnitTellsWhatIsUp) {
@@ -112,31 +102,31 @@ TEST(Mrs1000Capture, TheInertialUnitTellsWhatIsUp) {
   config.frame_id = "mrs";
   ASSERT_TRUE(config.model->sends<ImuSample>());
   const auto driver = config.model->make(config);
-  ImuKeeper out;
+  Collector out;
   PcapSource source(path);
   std::vector<Stamp> arrivals;
   for (Packet packet; source.next(packet);) {
     if (packet.from.port != 2112) continue;
     driver->receive(packet, out);
-    arrivals.resize(out.samples.size(), packet.arrival);
+    arrivals.resize(out.imus.size(), packet.arrival);
   }
-  ASSERT_EQ(out.samples.size(), 86U);
+  ASSERT_EQ(out.imus.size(), 86U);
   EXPECT_EQ(driver->counters().rejected[static_cast<std::size_t>(Reject::duplicate)], 1U) << "one came twice";
   EXPECT_EQ(driver->counters().rejected_total(), 1U);
-  const ImuSample& first = out.samples.front();
+  const ImuSample& first = out.imus.front();
   EXPECT_EQ(first.frame_id, "mrs");
   EXPECT_NEAR((first.linear_acceleration - Eigen::Vector3d(-0.1771763, 0.1592193, 9.8464546)).norm(), 0,
               1e-5);
   EXPECT_NEAR((first.angular_velocity - Eigen::Vector3d(-0.0031959, 0.0031959, 0)).norm(), 0, 1e-6);
-  for (std::size_t i = 0; i < out.samples.size(); ++i) {
-    const ImuSample& sample = out.samples[i];
+  for (std::size_t i = 0; i < out.imus.size(); ++i) {
+    const ImuSample& sample = out.imus[i];
     EXPECT_NEAR(sample.linear_acceleration.norm(), 9.81, 0.2);
     ASSERT_TRUE(sample.orientation);
     EXPECT_GT((*sample.orientation * sample.linear_acceleration.normalized()).z(), 0.999);
     EXPECT_LE(sample.stamp, arrivals[i]);
     EXPECT_LT(seconds(arrivals[i] - sample.stamp), 0.03);
     if (i <= 3) continue;
-    EXPECT_NEAR(seconds(sample.stamp - out.samples[i - 1].stamp), 0.01, 0.002) << i;
+    EXPECT_NEAR(seconds(sample.stamp - out.imus[i - 1].stamp), 0.01, 0.002) << i;
   }
 }
 

@@ -324,8 +324,8 @@ TEST(FrameBuilder, ReflectorsMakeAScanOfTheirOwn) {
       bench.send(bench.encode(segment), bench.arrival(f, i));
     }
   }
-  ASSERT_EQ(bench.marked.size(), 2U);
-  const PlanarScan& marked = bench.marked[1];
+  ASSERT_EQ(bench.extra_scans["reflectors"].size(), 2U);
+  const PlanarScan& marked = bench.extra_scans["reflectors"][1];
   EXPECT_EQ(marked.stamp, bench.scans[1].stamp);
   EXPECT_EQ(marked.beams, SegmentBench::all_beams);
   EXPECT_EQ(unobserved(marked), SegmentBench::all_beams - 2);

@@ -2,16 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <gtest/gtest.h>
-
 #include <cmath>
-#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "drivers/model.h"
-#include "drivers/registry/registry.h"
 #include "test/sim/devices/sick_telegram.h"
+#include "test/support/collector.h"
 
 namespace lidard::test {
 
@@ -19,28 +17,14 @@ constexpr double bench_rad = 3.14159265358979323846 / 180;
 
 /// A device of one layer on the desk: ten segments a frame, 0.5 deg, 20 turns/s, -138 to 138 deg. Beam k of a
 /// frame (0 at -138 deg) has the distance 2000 + k mm.
-class SegmentBench final : public DriverOutput {
+class SegmentBench final : public DriverBench {
  public:
-  explicit SegmentBench(const char* model = "sick_picoscan150", DriverConfig config = {}) {
-    config.model = find_model(model);
-    config.frame_id = "laser";
-    driver = config.model->make(config);
-  }
+  explicit SegmentBench(const char* model = "sick_picoscan150", DriverConfig config = {})
+      : DriverBench(model, std::move(config)) {}
 
   void scan(PlanarScan& scan) override {
-    EXPECT_EQ(violation(scan), nullptr) << violation(scan);
-    if (keep) scans.push_back(scan);
+    if (keep) DriverBench::scan(scan);
     ++released;
-  }
-  void cloud(Cloud& cloud) override { clouds.push_back(cloud); }
-  void message(const DeviceMessage& message) override {
-    if (const auto* sample = std::get_if<ImuSample>(&message)) samples.push_back(*sample);
-    if (const auto* state = std::get_if<DeviceState>(&message)) states.push_back(*state);
-  }
-  void extra_scan(std::string_view topic, PlanarScan& scan) override {
-    EXPECT_EQ(topic, "reflectors");
-    EXPECT_EQ(violation(scan), nullptr) << violation(scan);
-    if (keep) marked.push_back(scan);
   }
 
   static constexpr int segments = 10;
@@ -106,19 +90,8 @@ class SegmentBench final : public DriverOutput {
       if (i != leave_out) send(frame, i);
     }
   }
-  bool has_warning(const std::string& part) const {
-    for (const std::string& each : driver->info().warnings) {
-      if (each.find(part) != std::string::npos) return true;
-    }
-    return false;
-  }
 
-  std::unique_ptr<Driver> driver;
   std::string device;  // of the newest datagram
-  std::vector<PlanarScan> scans, marked;
-  std::vector<Cloud> clouds;
-  std::vector<ImuSample> samples;
-  std::vector<DeviceState> states;
   std::uint64_t start_us = 92'040'000'000;
   Stamp epoch{1'767'225'600'000'000'000};
   int echoes = 1;

@@ -18,75 +18,53 @@ namespace {
 using namespace lidard::test;
 using nlohmann::json;
 
-struct Kept final : DriverOutput {
-  std::vector<Cloud> clouds;
-  std::vector<ImuSample> samples;
-  void scan(PlanarScan&) override { ADD_FAILURE() << "several layers made a scan"; }
-  void cloud(Cloud& cloud) override { clouds.push_back(cloud); }
-  void message(const DeviceMessage& message) override {
-    if (const auto* sample = std::get_if<ImuSample>(&message)) samples.push_back(*sample);
-  }
-};
-
-struct Played {
-  Kept out;
-  Counters counters;
-  DeviceInfo info;
-};
-
-Played play(const std::string& path, bool keep_partial = false) {
+Decoded play(const std::string& path, bool keep_partial = false) {
   DriverConfig config;
-  config.model = find_model("sick_multiscan136");
   config.keep_partial = keep_partial;
-  const auto driver = config.model->make(config);
-  Played played;
-  PcapSource capture(path);
-  for (Packet packet; capture.next(packet);) driver->receive(packet, played.out);
-  driver->finish(played.out);
-  played.counters = driver->counters();
-  played.info = driver->info();
+  Decoded played = decode_capture(path, "sick_multiscan136", config);
+  EXPECT_TRUE(played.output.scans.empty()) << "several layers made a scan";
   return played;
 }
 
 TEST(SegmentCapture, AllTelegramsOfTheCompactCaptureAreGood) {
   LIDARD_NEED_CAPTURE(path, "sick/multiscan_compact_frag.pcap");
-  const Played played = play(path);
+  const Decoded played = play(path);
   EXPECT_EQ(played.counters.packets, 66U);
   EXPECT_EQ(played.counters.other_packets, 28U);
   EXPECT_EQ(played.counters.rejected_total(), 0U);
   EXPECT_EQ(played.counters.lost_packets, 0U);
   EXPECT_EQ(played.counters.clock_steps, 0U);
-  EXPECT_EQ(played.out.samples.size(), 28U);
+  EXPECT_EQ(played.output.imus.size(), 28U);
   EXPECT_EQ(played.info.serial, "22280002");
   // Segment 11 of one frame, five whole frames, five segments of a seventh. Of the first whole one the
   // counter proves both ends.
-  ASSERT_EQ(played.out.clouds.size(), 5U);
+  ASSERT_EQ(played.output.clouds.size(), 5U);
   EXPECT_EQ(played.counters.partial_frames, 2U);
-  for (const Cloud& cloud : played.out.clouds) {
+  for (const Cloud& cloud : played.output.clouds) {
     EXPECT_TRUE(cloud.complete);
     EXPECT_EQ(cloud.rings, 16U);
     EXPECT_NEAR(seconds(cloud.end - cloud.stamp), 0.05, 0.001);
   }
-  for (std::size_t i = 1; i < played.out.clouds.size(); ++i)
-    EXPECT_NEAR(seconds(played.out.clouds[i].stamp - played.out.clouds[i - 1].stamp), 0.05, 0.0005);
+  for (std::size_t i = 1; i < played.output.clouds.size(); ++i)
+    EXPECT_NEAR(seconds(played.output.clouds[i].stamp - played.output.clouds[i - 1].stamp), 0.05, 0.0005);
 }
 
 TEST(SegmentCapture, AllTelegramsOfTheMsgpackCaptureAreGood) {
   LIDARD_NEED_CAPTURE(path, "sick/multiscan_msgpack_3echo_frag.pcap");
-  const Played played = play(path);
+  const Decoded played = play(path);
   EXPECT_EQ(played.counters.packets, 25U);
   EXPECT_EQ(played.counters.rejected_total(), 0U);
   EXPECT_EQ(played.counters.lost_packets, 0U);
-  ASSERT_GE(played.out.clouds.size(), 1U);
-  EXPECT_EQ(played.out.clouds.front().rings, 16U);
+  ASSERT_GE(played.output.clouds.size(), 1U);
+  EXPECT_EQ(played.output.clouds.front().rings, 16U);
 }
 
 TEST(SegmentCapture, ElevationIsPositiveUpwards) {
   LIDARD_NEED_CAPTURE(path, "sick/multiscan_compact_frag.pcap");
-  const Played played = play(path);
+  const Decoded played = play(path);
   // The device stands upright: its inertial unit feels gravity's counterforce along +z.
-  ASSERT_GT(played.out.samples.size(), 10U);
-  for (const ImuSample& sample : played.out.samples) {
+  ASSERT_GT(played.output.imus.size(), 10U);
+  for (const ImuSample& sample : played.output.imus) {
     EXPECT_NEAR(sample.linear_acceleration.z(), 9.63, 0.1);
     ASSERT_TRUE(sample.orientation);
     // Gravity turned to a frame with z up has no other component.
@@ -95,7 +73,7 @@ TEST(SegmentCapture, ElevationIsPositiveUpwards) {
   }
   // Where the visibility is free, each of the lower layers ends at the floor, 1.25 to 1.35 m below.
   std::map<int, std::vector<float>> heights;
-  for (const Cloud& cloud : played.out.clouds) {
+  for (const Cloud& cloud : played.output.clouds) {
     for (std::size_t i = 0; i < cloud.size(); ++i) {
       const CloudPoint p = cloud.points()[i];
       const float z = p.z;
@@ -261,8 +239,8 @@ TEST(SegmentCapture, InertialUnitsTelegramsHoldTheirDocumentedValues) {
   LIDARD_NEED_CAPTURE(path, "sick/perception_sdk_multiScan136_imu-frame_0.bin");
   SegmentBench bench("sick_multiscan136");
   EXPECT_EQ(bench.send(file_bytes(path), bench.epoch, 7503), Reject::none);
-  ASSERT_EQ(bench.samples.size(), 1U);
-  const ImuSample& sample = bench.samples[0];
+  ASSERT_EQ(bench.imus.size(), 1U);
+  const ImuSample& sample = bench.imus[0];
   EXPECT_NEAR(sample.linear_acceleration.x(), -1.29051, 1e-5);
   EXPECT_NEAR(sample.linear_acceleration.z(), 9.51006, 1e-5);
   EXPECT_NEAR(sample.angular_velocity.y(), 0.043677, 1e-6);
@@ -341,12 +319,6 @@ TEST(SegmentCapture, Lrs4000TelegramIsAWholeTurn) {
   EXPECT_FALSE(bench.has_warning("evenly"));
 }
 
-struct Scans final : DriverOutput {
-  std::vector<PlanarScan> scans;
-  void scan(PlanarScan& scan) override { scans.push_back(scan); }
-  void cloud(Cloud&) override { ADD_FAILURE() << "one layer made a cloud"; }
-};
-
 // What a daemon and a replay that began elsewhere make of the same packets.
 TEST(SegmentCapture, WhereARecordingOfAPicoScanBeginsChangesNoLaterScan) {
   LIDARD_NEED_CAPTURE(path, "sick/picoscan150_compact_frag.pcap");
@@ -355,7 +327,7 @@ TEST(SegmentCapture, WhereARecordingOfAPicoScanBeginsChangesNoLaterScan) {
     DriverConfig config;
     config.model = find_model("sick_picoscan150");
     const auto driver = config.model->make(config);
-    Scans out;
+    Collector out;
     PcapSource capture(path);
     int n = 0;
     for (Packet packet; capture.next(packet);) {

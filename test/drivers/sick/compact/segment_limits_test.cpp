@@ -51,8 +51,8 @@ TEST(SegmentTimes, ASpoiledSegmentChangesTheTimesOfNoOtherScan) {
     ASSERT_EQ(damaged.size(), whole.size());
     std::size_t others = 0;
     for (std::size_t i = 0; i < whole.size(); ++i) {
-      const bool same = damaged[i].scan_time == whole[i].scan_time &&
-                        damaged[i].time_increment == whole[i].time_increment;
+      const bool same =
+          damaged[i].scan_time == whole[i].scan_time && damaged[i].time_increment == whole[i].time_increment;
       others += same ? 0U : 1U;
     }
     EXPECT_LE(others, 1U) << "segment " << spoiled;
@@ -91,7 +91,7 @@ TEST(SegmentTimes, ASampleThatComesSoonerThanScansDoIsNotStampedAfterItsArrival)
   const std::uint64_t us = bench.time_us(4, 0);
   const auto send = [&](Span after) {
     bench.send(sim::compact_imu(us, {}, {}, {}), bench.host_of(us) + after, 7503);
-    return bench.samples.back().stamp - bench.host_of(us);
+    return bench.imus.back().stamp - bench.host_of(us);
   };
   EXPECT_EQ(send(std::chrono::microseconds(500)), std::chrono::microseconds(500));
   EXPECT_NEAR(seconds(send(std::chrono::milliseconds(9))), 2e-3, 0.2e-3) << "what scans take at least";

@@ -8,29 +8,16 @@
 #include "test/sim/servers/simulate.h"
 #include "test/sim/servers/test_scene.h"
 #include "test/support/captures.h"
+#include "test/support/collector.h"
 
 namespace lidard::sick {
 namespace {
 
 using namespace lidard::test;
 
-struct KeptSegments final : DriverOutput {
-  std::vector<PlanarScan> scans;
-  std::vector<Cloud> clouds;
-  std::vector<ImuSample> samples;
-  void scan(PlanarScan& scan) override {
-    EXPECT_EQ(violation(scan), nullptr) << violation(scan);
-    scans.push_back(scan);
-  }
-  void cloud(Cloud& cloud) override { clouds.push_back(cloud); }
-  void message(const DeviceMessage& message) override {
-    if (const auto* sample = std::get_if<ImuSample>(&message)) samples.push_back(*sample);
-  }
-};
-
 struct Sensor {
   std::unique_ptr<Driver> driver;
-  KeptSegments out;
+  Collector out;
   std::vector<sim::Measurement> truth;
   std::vector<Stamp> imu_times;
 };
@@ -196,10 +183,10 @@ TEST(SegmentTruth, EachLayerOfAMultiScanGivesTheSimulatorsTruth) {
 TEST(SegmentTruth, InertialSamplesHaveTheTimeTheyWereTaken) {
   const auto sensors = play(shipped("multiscan136"));
   const Sensor& sensor = sensors.at(0);
-  ASSERT_GE(sensor.out.samples.size(), 10U);
-  for (std::size_t i = 2; i < sensor.out.samples.size(); ++i) {
-    EXPECT_NEAR(seconds(sensor.out.samples[i].stamp - sensor.imu_times[i]), 0, 30e-6);
-    EXPECT_NEAR(sensor.out.samples[i].linear_acceleration.z(), 9.81, 1e-5);
+  ASSERT_GE(sensor.out.imus.size(), 10U);
+  for (std::size_t i = 2; i < sensor.out.imus.size(); ++i) {
+    EXPECT_NEAR(seconds(sensor.out.imus[i].stamp - sensor.imu_times[i]), 0, 30e-6);
+    EXPECT_NEAR(sensor.out.imus[i].linear_acceleration.z(), 9.81, 1e-5);
   }
 }
 

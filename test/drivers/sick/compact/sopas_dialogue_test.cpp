@@ -14,20 +14,12 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 
 /// A picoScan150's driver with its device at the other end of the cable.
-class Cable final : public DriverOutput {
+class Cable final : public DriverBench {
  public:
-  explicit Cable(DeviceRequests requests) {
-    DriverConfig config;
-    config.model = find_model("sick_picoscan150");
-    config.requests = std::move(requests);
-    driver = config.model->make(config);
-  }
-  void scan(PlanarScan&) override {}
-  void cloud(Cloud&) override {}
+  explicit Cable(DeviceRequests requests) : DriverBench("sick_picoscan150", config_of(std::move(requests))) {}
   void connect() override { dialled = true; }
   void disconnect(bool) override { open = false; }
   void request(ByteView bytes) override { to_device += bytes.text(); }
-  void note(std::string_view sentence) override { notes.emplace_back(sentence); }
 
   /// Time passes in ticks of 0.1 s; what is asked is answered at once, in pieces of `piece` bytes.
   void run(double seconds) {
@@ -57,17 +49,19 @@ class Cable final : public DriverOutput {
     return driver->info().warnings.empty() ? std::string() : driver->info().warnings.back();
   }
 
-  std::unique_ptr<Driver> driver;
   sim::SopasDevice device;
   bool reachable = true, answers = true, closes = false;
   bool dialled = false, open = false;
   int connections = 0;
   std::size_t piece = 5;
   std::uint64_t heard = 0;
-  std::vector<std::string> notes;
-  Stamp now{1'767'225'600'000'000'000};
 
  private:
+  static DriverConfig config_of(DeviceRequests requests) {
+    DriverConfig config;
+    config.requests = std::move(requests);
+    return config;
+  }
   void exchange() {
     if (closes && open && !to_device.empty()) {
       to_device.clear();
@@ -78,13 +72,7 @@ class Cable final : public DriverOutput {
       const std::string asked = std::move(to_device);
       to_device.clear();
       const std::string reply = device.receive(asked);
-      for (std::size_t at = 0; open && at < reply.size(); at += piece) {
-        Packet packet;
-        packet.transport = Transport::tcp;
-        packet.payload = ByteView(std::string_view(reply).substr(at, piece));
-        packet.arrival = now;
-        driver->receive(packet, *this);
-      }
+      feed_in_pieces(reply, piece, open);
     }
     if (!open) {
       to_device.clear();

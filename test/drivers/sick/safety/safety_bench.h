@@ -2,15 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <gtest/gtest.h>
-
-#include <memory>
 #include <string>
-#include <vector>
 
 #include "drivers/model.h"
-#include "drivers/registry/registry.h"
 #include "test/drivers/sick/safety/ms3_encoder.h"
+#include "test/support/collector.h"
 
 namespace lidard::test {
 
@@ -18,28 +14,12 @@ namespace lidard::test {
 constexpr Span beam_period{42755};
 
 /// A safety scanner on the desk: sends samples to a driver and keeps the scans.
-class SafetyBench final : public DriverOutput {
+class SafetyBench final : public DriverBench {
  public:
-  explicit SafetyBench(DriverConfig config = {}) {
-    if (config.model == nullptr) config.model = find_model("sick_microscan3");
-    config.frame_id = "laser";
-    driver = config.model->make(config);
-  }
-
-  void scan(PlanarScan& scan) override {
-    EXPECT_EQ(violation(scan), nullptr) << violation(scan);
-    scans.push_back(scan);
-  }
-  void message(const DeviceMessage& message) override {
-    if (const auto* state = std::get_if<DeviceState>(&message)) states.push_back(*state);
-  }
-  void extra_scan(std::string_view topic, PlanarScan& scan) override {
-    EXPECT_EQ(violation(scan), nullptr) << violation(scan);
-    if (topic == "beam_status") return beam_statuses.push_back(scan);
-    EXPECT_EQ(topic, "intrusion");
-    intrusions.push_back(scan);
-  }
-  void cloud(Cloud&) override { ADD_FAILURE() << "a planar scanner made a cloud"; }
+  explicit SafetyBench(DriverConfig config = {})
+      : DriverBench(
+            config.model == nullptr ? std::string("sick_microscan3") : std::string(config.model->name),
+            config) {}
 
   /// Sends the sample as the scan that ends at `arrival`.
   Reject send(const Ms3Sample& what, Stamp arrival) {
@@ -63,26 +43,9 @@ class SafetyBench final : public DriverOutput {
     now = now + std::chrono::milliseconds(sample.scan_time_ms);
     return send(sample, now);
   }
-  bool has_warning(const std::string& part) const {
-    for (const std::string& each : driver->info().warnings) {
-      if (each.find(part) != std::string::npos) return true;
-    }
-    return false;
-  }
-  std::string detail(const std::string& key) const {
-    for (const auto& each : driver->info().details) {
-      if (each.first == key) return each.second;
-    }
-    return "(missing)";
-  }
 
-  std::unique_ptr<Driver> driver;
   std::string device;
-  std::vector<PlanarScan> scans;
-  std::vector<PlanarScan> intrusions, beam_statuses;
-  std::vector<DeviceState> states;
   Ms3Sample sample;
-  Stamp now = ms3_epoch;
   std::uint32_t identification = 1;
 };
 

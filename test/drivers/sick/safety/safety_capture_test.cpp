@@ -14,6 +14,7 @@
 #include "drivers/registry/registry.h"
 #include "drivers/sick/safety/ms3_telegram.h"
 #include "test/support/captures.h"
+#include "test/support/collector.h"
 
 namespace lidard::test {
 namespace {
@@ -22,18 +23,6 @@ constexpr const char* capture = "sick/microscan3_398.pcap";
 constexpr std::size_t scans = 129, beams = 715;
 const std::map<int, std::size_t> beams_by_flags = {{0x01, 74518}, {0x03, 7095}, {0x41, 2721}, {0x43, 325},
                                                    {0x81, 2214},  {0xc1, 5120}, {0xc3, 242}};
-
-struct Keeper final : DriverOutput {
-  void scan(PlanarScan& scan) override {
-    EXPECT_EQ(violation(scan), nullptr) << violation(scan);
-    scans.push_back(scan);
-  }
-  void cloud(Cloud&) override { ADD_FAILURE() << "a planar scanner made a cloud"; }
-  void extra_scan(std::string_view topic, PlanarScan& scan) override {
-    if (topic == "beam_status") flags.push_back(scan);
-  }
-  std::vector<PlanarScan> scans, flags;
-};
 
 TEST(SafetyCapture, EveryBeamOfEveryWholeScanIsRead) {
   LIDARD_NEED_CAPTURE(path, capture);
@@ -67,21 +56,21 @@ TEST(SafetyCapture, RangesReflectivitiesAndFlagsComeOut) {
   DriverConfig config;
   config.model = find_model("sick_microscan3");
   const auto driver = config.model->make(config);
-  Keeper out;
+  Collector out;
   PcapSource source(path);
   for (Packet packet; source.next(packet);) driver->receive(packet, out);
   driver->finish(out);
   ASSERT_EQ(out.scans.size(), scans);
-  ASSERT_EQ(out.flags.size(), scans);
+  ASSERT_EQ(out.extra_scans["beam_status"].size(), scans);
   std::size_t hits = 0, none = 0;
   double range_mm = 0, reflectivity = 0;
   std::map<int, std::size_t> by_flags;
   for (std::size_t s = 0; s < scans; ++s) {
     const PlanarScan& scan = out.scans[s];
     ASSERT_EQ(scan.beams, beams);
-    EXPECT_EQ(out.flags[s].stamp, scan.stamp);
+    EXPECT_EQ(out.extra_scans["beam_status"][s].stamp, scan.stamp);
     for (std::size_t i = 0; i < beams; ++i) {
-      const int flags = static_cast<int>(out.flags[s].intensities[i]);
+      const int flags = static_cast<int>(out.extra_scans["beam_status"][s].intensities[i]);
       ++by_flags[flags];
       reflectivity += static_cast<double>(scan.intensities[i]);
       none += scan.statuses[i] == BeamStatus::none ? 1U : 0U;

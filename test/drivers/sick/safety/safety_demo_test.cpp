@@ -11,19 +11,14 @@
 #include "drivers/registry/registry.h"
 #include "test/sim/servers/truth.h"
 #include "test/support/captures.h"
+#include "test/support/collector.h"
 
 namespace lidard::sick {
 namespace {
 
-struct Kept final : DriverOutput {
-  std::vector<PlanarScan> scans;
-  void scan(PlanarScan& scan) override { scans.push_back(scan); }
-  void cloud(Cloud&) override {}
-};
-
 struct Sensor {
   std::unique_ptr<Driver> driver;
-  Kept out;
+  test::Collector out;
 };
 
 const sim::SensorTruth& truth_of(const std::vector<sim::SensorTruth>& all, const std::string& name) {

@@ -70,8 +70,8 @@ TEST(SafetyTopics, MarkTheBeamsThatInterruptACutOffPathFromTheIntrusionBlock) {
   bench.sample.beams[3].status = 0x10;  // contamination is no intrusion
   bench.sample.beams[5].status = 0x11;
   bench.send_next();
-  ASSERT_EQ(bench.intrusions.size(), 1U);
-  const PlanarScan& intrusion = bench.intrusions[0];
+  ASSERT_EQ(bench.extra_scans["intrusion"].size(), 1U);
+  const PlanarScan& intrusion = bench.extra_scans["intrusion"][0];
   const PlanarScan& scan = bench.scans[0];
   ASSERT_EQ(intrusion.beams, 46U);
   EXPECT_EQ(intrusion.stamp, scan.stamp);
@@ -95,12 +95,12 @@ TEST(SafetyTopics, TellTheFlagsOfEachBeamWhereTheySayMoreThanTheRanges) {
   bench.sample.beams[1].status = 0x81;  // left out
   bench.sample.beams[2].status = 0x03;
   bench.send_next();
-  EXPECT_TRUE(bench.beam_statuses.empty());
+  EXPECT_TRUE(bench.extra_scans["beam_status"].empty());
   bench.sample.beams[4].status = 0x41;
   bench.sample.beams[5].status = 0xc3;
   bench.send_next();
-  ASSERT_EQ(bench.beam_statuses.size(), 1U);
-  const PlanarScan& flags = bench.beam_statuses[0];
+  ASSERT_EQ(bench.extra_scans["beam_status"].size(), 1U);
+  const PlanarScan& flags = bench.extra_scans["beam_status"][0];
   const PlanarScan& scan = bench.scans[1];
   ASSERT_EQ(flags.intensities.size(), 46U);
   EXPECT_EQ(flags.intensities[0], 3.0F);
@@ -137,7 +137,7 @@ TEST(SafetyTopics, LeaveOutBlocksThatAreSwitchedOff) {
   bench.send_next();
   EXPECT_EQ(bench.scans.size(), 1U);
   EXPECT_TRUE(bench.states.empty());
-  EXPECT_TRUE(bench.intrusions.empty());
+  EXPECT_TRUE(bench.extra_scans["intrusion"].empty());
 }
 
 }  // namespace
