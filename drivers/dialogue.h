@@ -51,14 +51,14 @@ class Dialogue {
   bool changed() { return std::exchange(changed_, false); }
 
  protected:
-  virtual void script(DriverOutput& out) = 0;
+  virtual void script(FrameReceiver& out) = 0;
 
-  void begin_script(Stamp now, DriverOutput& out) {
+  void begin_script(Stamp now, FrameReceiver& out) {
     now_ = now;
     script_ = {};
     script(out);
   }
-  static void send(const std::vector<std::uint8_t>& question, DriverOutput& out) {
+  static void send(const std::vector<std::uint8_t>& question, FrameReceiver& out) {
     out.request(ByteView(question.data(), question.size()));
   }
   void detail(std::string_view key, std::string_view value) {
@@ -86,7 +86,7 @@ class SideDialogue : public Dialogue {
   SideDialogue(bool wanted, bool restores, Span patience)
       : wanted_(wanted), restores_(restores), patience_limit_(patience) {}
 
-  void connected(Stamp now, DriverOutput& out) {
+  void connected(Stamp now, FrameReceiver& out) {
     phase_ = Phase::talking;
     talked_ = true;
     complete_ = failed_ = false;
@@ -94,7 +94,7 @@ class SideDialogue : public Dialogue {
     begin_script(now, out);
   }
   /// Bytes from the device.
-  virtual void receive(const Packet& packet, DriverOutput& out) = 0;
+  virtual void receive(const Packet& packet, FrameReceiver& out) = 0;
   /// The connection ended, or was refused.
   void disconnected() {
     if (phase_ == Phase::talking) {
@@ -105,7 +105,7 @@ class SideDialogue : public Dialogue {
     phase_ = Phase::idle;
   }
   /// `last_data`: when the device last sent a datagram of its data; empty: never.
-  void tick(Stamp now, std::optional<Stamp> last_data, DriverOutput& out) {
+  void tick(Stamp now, std::optional<Stamp> last_data, FrameReceiver& out) {
     now_ = now;
     if (phase_ == Phase::talking && patience_.is_over(now)) {
       // The device may be slow: the next dialogue waits longer.
@@ -125,17 +125,17 @@ class SideDialogue : public Dialogue {
   /// A connection was made: drops the state of a former one.
   virtual void begin() = 0;
   /// The last question was not answered.
-  virtual void silent(DriverOutput& out) = 0;
+  virtual void silent(FrameReceiver& out) = 0;
   /// The device closed the connection in the middle of the dialogue.
   virtual void cut_off() = 0;
 
   bool is_talking() const { return phase_ == Phase::talking; }
-  void ask(const std::vector<std::uint8_t>& question, DriverOutput& out) {
+  void ask(const std::vector<std::uint8_t>& question, FrameReceiver& out) {
     patience_.start(now_, patience_limit_);
     send(question, out);
   }
   /// `complete`: every possible step was done; otherwise the dialogue is repeated after a pause.
-  void hang_up(bool complete, DriverOutput& out) {
+  void hang_up(bool complete, FrameReceiver& out) {
     complete_ = complete;
     failed_ = !complete;
     ended_ = now_;

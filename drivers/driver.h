@@ -56,9 +56,9 @@ constexpr std::string_view output_paths_topic = "output_paths";
 
 /// Receives the output of a driver. The references are valid during the call; a cloud's or scan's buffers may
 /// be swapped out by the receiver, which must leave a valid (possibly empty) vector behind.
-class DriverOutput {
+class FrameReceiver {
  public:
-  virtual ~DriverOutput() = default;
+  virtual ~FrameReceiver() = default;
   virtual void scan(PlanarScan& scan) = 0;
   virtual void cloud(Cloud& cloud) = 0;
   /// Called when a cloud begins. False: the cloud has no consumer, and a few of its columns are enough for
@@ -117,16 +117,16 @@ class Driver {
  public:
   virtual ~Driver() = default;
   /// Accepts one datagram, or one chunk that the device sent over TCP (`packet.transport`).
-  virtual Verdict receive(const Packet& packet, DriverOutput& out) = 0;
+  virtual Verdict receive(const Packet& packet, FrameReceiver& out) = 0;
   /// A TCP connection to the device was made; the dialogue starts here. Never called in replay.
-  virtual void connected(Stamp /*now*/, DriverOutput& /*out*/) {}
+  virtual void connected(Stamp /*now*/, FrameReceiver& /*out*/) {}
   /// The connection ended: drops an incomplete telegram. For a device that streams over UDP also: the
   /// requested connection failed; the next one is opened only on request.
   virtual void disconnected() {}
   /// Advances the time (arrival time scale), for time-outs and keep-alives.
-  virtual void tick(Stamp /*now*/, DriverOutput& /*out*/) {}
+  virtual void tick(Stamp /*now*/, FrameReceiver& /*out*/) {}
   /// End of the input (of a capture): publishes a frame that is complete enough.
-  virtual void finish(DriverOutput& /*out*/) {}
+  virtual void finish(FrameReceiver& /*out*/) {}
   /// Resets the stream (a capture starts again); keeps the counters and info().
   virtual void restart() = 0;
   /// Applies those of the settings that may change at run time, from the next frame on; others stay as they

@@ -62,8 +62,8 @@ struct Model {
   std::size_t beams = 0;                ///< rings of a multi-plane lidar; 0: the packets show it
   FieldOfView field{};
   Traits traits{};
-  std::vector<MessageTopic> messages{};         ///< of DriverOutput::message()
-  std::vector<std::string_view> extra_scans{};  ///< of DriverOutput::extra_scan()
+  std::vector<MessageTopic> messages{};         ///< of FrameReceiver::message()
+  std::vector<std::string_view> extra_scans{};  ///< of FrameReceiver::extra_scan()
   /// The ring nearest to the horizontal, of a multi-plane lidar; nullptr: not known.
   std::uint16_t (*level_ring)(const DriverConfig& config) = nullptr;
   const void* row = nullptr;  ///< the family's own table entry

@@ -86,6 +86,8 @@ WORDS = {
     "wish(es)?": "request",
     "strangers?": "unknown senders",
     "links_": "connections_",
+    "outlets?_?": "router",
+    "DriverOutput|ChangeableOutput": "FrameReceiver, Reconfigurable",
     "overlap_": "mount_check_",
     "veils?(?!_filter)": "mixed pixel",
     "take_\\w+": "accept, apply, parse, read",

@@ -43,8 +43,8 @@ constexpr std::int64_t standing_part = 8;
 constexpr std::int64_t longest_gap = 500 * ms;
 /// The least step of device time from packet to packet, for those in the wrong order.
 constexpr std::int64_t least_step = ms / 10;
-/// Packets that are early by more than early_limit while the arrivals stand are held, as are those of a run of
-/// run_limit. A host that stalls drains its burst sooner than after longest_run.
+/// Packets that are early by more than early_limit while the arrivals stand are held, as are those of a run
+/// of run_limit. A host that stalls drains its burst sooner than after longest_run.
 constexpr std::int64_t early_limit = ms, run_limit = 1000 * ms, longest_run = 15'000 * ms;
 constexpr std::int64_t lacked_after = 3000 * ms;
 

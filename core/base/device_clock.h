@@ -25,8 +25,8 @@ enum class ClockMode : std::uint8_t {
 /// rounded down reads low, which has the effect of a late packet. The same packets give the same stamps.
 ///
 /// Records without arrival times (all of one time, of whole seconds, or counted up) show as packets that are
-/// early, and by more the longer the arrivals stand, apart from whole seconds. No network does that: a burst is
-/// late. Such packets are held: they follow the device's clock from the first one on.
+/// early, and by more the longer the arrivals stand, apart from whole seconds. No network does that: a burst
+/// is late. Such packets are held: they follow the device's clock from the first one on.
 class DeviceClock {
  public:
   explicit DeviceClock(ClockMode mode = ClockMode::smooth) : mode_(mode) {}

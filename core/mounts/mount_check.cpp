@@ -25,8 +25,8 @@ constexpr std::size_t fewest_surfaces = 2;
 constexpr double tolerance_m = 0.015, tolerance_rad = 0.25 * rad_per_deg, significant = 2;
 // So many comparisons in a row that differ from the ones before are a mount that has moved.
 constexpr std::size_t comparisons_of_change = 6;
-// A pose far from the configured one must explain so much more of the returns that both should see. Farther off,
-// another wall of a room that looks alike from both ends would do.
+// A pose far from the configured one must explain so much more of the returns that both should see. Farther
+// off, another wall of a room that looks alike from both ends would do.
 constexpr double better_share = 0.1, largest_shift_m = 1.5;
 // Two surfaces fit at more than one pose, unless it explains so many of the returns.
 constexpr double certain_share = 0.9;
@@ -126,8 +126,8 @@ void MountCheck::find_source(const PlacedScan& sweep, const Vector2d& place, Sou
   find_surfaces(view, source.surfaces);
 }
 
-/// The pose near the configured one that fits the surfaces. Where few fit, a pose far off, as of a mount that is
-/// wrong by many degrees, if it explains more of the returns.
+/// The pose near the configured one that fits the surfaces. Where few fit, a pose far off, as of a mount that
+/// is wrong by many degrees, if it explains more of the returns.
 MatchedPose MountCheck::match(std::size_t index, const PlanarPose& configured, Stamp stamp) {
   MountDifference& pair = pairs_[index];
   const Source &first = sources_[pair.first], &second = sources_[pair.second];

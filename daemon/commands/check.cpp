@@ -14,7 +14,7 @@ namespace {
 
 /// True if the daemon connects to the device: it streams over TCP, or its driver has a dialogue.
 bool connects(const SensorConfig& sensor) {
-  struct Listener final : DriverOutput {
+  struct Listener final : FrameReceiver {
     void scan(PlanarScan& /*scan*/) override {}
     void cloud(Cloud& /*cloud*/) override {}
     void connect() override { asked = true; }

@@ -14,9 +14,9 @@
 namespace lidard {
 namespace {
 
-class WriterOutput final : public DriverOutput {
+class FrameRecorder final : public FrameReceiver {
  public:
-  WriterOutput(FrameWriter& writer, std::optional<std::uint64_t> only) : writer_(writer), only_(only) {}
+  FrameRecorder(FrameWriter& writer, std::optional<std::uint64_t> only) : writer_(writer), only_(only) {}
   void scan(PlanarScan& scan) override {
     if (wanted()) writer_.scan(frames_, scan), report_.count(scan.stamp);
     returns_ +=
@@ -51,7 +51,7 @@ std::unique_ptr<FrameWriter> make_writer(const DecodeOptions& options) {
 }
 
 /// Prints the table at the end; false if there was no return or not the requested frame.
-bool print_report(const DecodeOptions& options, const WriterOutput& output, const FoundSensor& sensor,
+bool print_report(const DecodeOptions& options, const FrameRecorder& output, const FoundSensor& sensor,
                   std::ostream& err) {
   OutputReport report = output.report();
   report.name = options.output == "-" ? "standard output" : options.output;
@@ -66,7 +66,7 @@ bool print_report(const DecodeOptions& options, const WriterOutput& output, cons
   return output.returns() > 0 && !beyond;
 }
 
-void show(Progress& progress, const PcapSource& source, const WriterOutput& output) {
+void show(Progress& progress, const PcapSource& source, const FrameRecorder& output) {
   const double rate = static_cast<double>(output.returns()) / progress.elapsed() / 1e6;
   progress.show(
       static_cast<double>(source.position()) / static_cast<double>(source.size()),
@@ -88,7 +88,7 @@ int decode_sensor(const DecodeOptions& options, const FoundSensor& sensor, Calib
   config.calibration = std::move(calibration);
   const auto driver = model.make(config);
   const auto writer = make_writer(options);
-  WriterOutput output(*writer, options.frame);
+  FrameRecorder output(*writer, options.frame);
   PcapSource source(options.capture);
   Packet packet;
   FlowTable<const Model*> flows;

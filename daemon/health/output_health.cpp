@@ -31,7 +31,7 @@ std::string name_of(const OutputId& id) {
 
 /// Whether an output publishes, and if not, why.
 void judge_output(const OutputStatus& status, Stamp now, DiagnosticItem& item) {
-  const OutputCounters& counters = status.counters;
+  const MakerCounters& counters = status.counters;
   const double age = seconds(now - counters.last_published);
   if (status.starting && counters.no_pose == 0 && (counters.published == 0 || age > counters.most_silence)) {
     item.message = "waiting for input";
@@ -101,7 +101,7 @@ void judge_sources(const OutputStatus& status, const MergeStatus& merge, Diagnos
   if (!is(SourceState::ok))
     item.message = "no output, since no source delivers: see the state of its sensors";
   item.awaited = !is(SourceState::lost);
-  const OutputCounters& counters = status.counters;
+  const MakerCounters& counters = status.counters;
   if (counters.no_pose > 0 && !counters.why_no_pose.empty()) item.message += ": " + counters.why_no_pose;
 }
 

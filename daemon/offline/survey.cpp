@@ -26,7 +26,7 @@ struct Watched {
 using Flows = std::map<Flow, Watched>;
 
 /// Records the stamps of a sensor's frames.
-class FrameTimes final : public DriverOutput {
+class FrameTimes final : public FrameReceiver {
  public:
   explicit FrameTimes(FoundSensor& sensor) : sensor_(&sensor) {}
   void scan(PlanarScan& scan) override { note_frame(scan.stamp); }

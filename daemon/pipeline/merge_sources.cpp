@@ -18,7 +18,7 @@ Stamp comparable(Stamp stamp, Stamp now) {
 
 }  // namespace
 
-MergeSources::MergeSources(Settings settings, const OutputContext& context)
+MergeSources::MergeSources(Settings settings, const MakerContext& context)
     : settings_(std::move(settings)),
       context_(context),
       poses_(context.poses),

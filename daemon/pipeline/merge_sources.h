@@ -24,7 +24,7 @@ class MergeSources {
     std::string destination_frame;
   };
   /// `context` must outlive this.
-  MergeSources(Settings settings, const OutputContext& context);
+  MergeSources(Settings settings, const MakerContext& context);
 
   /// A frame with a place came in; `is_kept`: and will be used.
   void delivered(std::size_t source, const SweepTimes& times, double period, Stamp now, bool is_kept = true);
@@ -47,7 +47,7 @@ class MergeSources {
   const std::vector<SourceUse>& uses() const { return uses_; }
   MergeStatus status(Stamp now) const;
 
-  OutputCounters counters;
+  MakerCounters counters;
 
  private:
   bool lacks_frames(Stamp now) const;
@@ -56,7 +56,7 @@ class MergeSources {
   bool has_poses(const MergeMoment& moment, Stamp now);
 
   Settings settings_;
-  const OutputContext& context_;
+  const MakerContext& context_;
   const FrameTree& poses_;
   Scheduler scheduler_;
   std::vector<std::optional<SweepTimes>> times_;  // of the newest frame of each source

@@ -44,7 +44,7 @@ void set_encoding(const OutputScanConfig& output, PlanarScan& scan) {
   scan.invalid_as = value_of(output.unobserved, output);
 }
 
-void Outlet::configure(const Config& config) {
+void Router::configure(const Config& config) {
   auto topics = std::exchange(topics_, {});
   const auto reports = std::exchange(reports_, {});
   names_.clear();
@@ -70,59 +70,59 @@ void Outlet::configure(const Config& config) {
   for (const std::string& name : names_) is_forwarded_.push_back(config.elsewhere.merged.count(name) > 0);
 }
 
-std::optional<std::size_t> Outlet::find_source(const std::string& name) const {
+std::optional<std::size_t> Router::find_source(const std::string& name) const {
   const auto found = std::find(names_.begin(), names_.end(), name);
   if (found == names_.end()) return std::nullopt;
   return static_cast<std::size_t>(found - names_.begin());
 }
 
-std::size_t Outlet::source(const std::string& name) const {
+std::size_t Router::source(const std::string& name) const {
   const auto found = find_source(name);
   if (!found) throw std::logic_error("no source " + name);
   return *found;
 }
 
-const OutputTopic& Outlet::topic(const std::string& name) const {
+const OutputTopic& Router::topic(const std::string& name) const {
   for (const auto& topic : topics_) {
     if (topic->name == name) return *topic;
   }
   throw std::logic_error("no topic " + name);
 }
 
-void Outlet::publish(const OutputTopic& topic, const Payload& payload, Stamp now) {
+void Router::publish(const OutputTopic& topic, const Payload& payload, Stamp now) {
   reports_[topic.id].count(now);
   sink_.publish(topic, payload, now);
   if (const auto* scan = std::get_if<const PlanarScan*>(&payload)) feed(first_topic_ + topic.id, **scan, now);
 }
 
-void Outlet::skip(const OutputTopic& topic, Stamp now) {
+void Router::skip(const OutputTopic& topic, Stamp now) {
   reports_[topic.id].count(now);
   sink_.skip(topic, now);
 }
 
-void Outlet::feed(std::size_t source, const PlanarScan& scan, Stamp now) {
+void Router::feed(std::size_t source, const PlanarScan& scan, Stamp now) {
   fed_ = true;
   if (is_forwarded_[source] != 0) forward_(names_[source], scan, now);
-  for (const Consumer& consumer : consumers_[source]) consumer.output->add_scan(consumer.place, scan, now);
+  for (const Consumer& consumer : consumers_[source]) consumer.output->add_scan(consumer.index, scan, now);
 }
 
-void Outlet::feed(std::size_t source, const Cloud& cloud, Stamp now) {
+void Router::feed(std::size_t source, const Cloud& cloud, Stamp now) {
   fed_ = true;
-  for (const Consumer& consumer : consumers_[source]) consumer.output->add_cloud(consumer.place, cloud, now);
+  for (const Consumer& consumer : consumers_[source]) consumer.output->add_cloud(consumer.index, cloud, now);
 }
 
-void Outlet::feed(const OutputTopic& topic, const std::vector<PlacedCloud>& clouds, Stamp instant,
+void Router::feed(const OutputTopic& topic, const std::vector<PlacedCloud>& clouds, Stamp instant,
                   Stamp now) {
   for (const Consumer& consumer : consumers_[first_topic_ + topic.id])
     consumer.output->add_clouds(clouds, instant, now);
 }
 
-void Outlet::pass_by(std::size_t source, const Cloud& cloud, Stamp now) {
+void Router::pass_by(std::size_t source, const Cloud& cloud, Stamp now) {
   fed_ = true;
-  for (const Consumer& consumer : consumers_[source]) consumer.output->pass_by(consumer.place, cloud, now);
+  for (const Consumer& consumer : consumers_[source]) consumer.output->pass_by(consumer.index, cloud, now);
 }
 
-bool Outlet::feeds(std::size_t source) const {
+bool Router::feeds(std::size_t source) const {
   const auto& consumers = consumers_.at(source);
   return is_forwarded_[source] != 0 ||
          std::any_of(consumers.begin(), consumers.end(),

@@ -17,17 +17,17 @@
 
 namespace lidard {
 
-class Output;
+class Maker;
 
 /// Passes a scan to the part of the configuration that merges it.
 using Forward = std::function<void(const std::string& source, const PlanarScan& scan, Stamp now)>;
 
 /// The way on for frames: to the sink, and to the merged and virtual scans that are made of them. Sources
-/// are numbered: sensors by their place in the configuration, then topics by OutputTopic::id.
-class Outlet {
+/// are numbered: sensors by their index in the configuration, then topics by OutputTopic::id.
+class Router {
  public:
   /// The sink must outlive this.
-  explicit Outlet(FrameSink& sink) : sink_(sink) {}
+  explicit Router(FrameSink& sink) : sink_(sink) {}
   /// Replaces topics and sources, and connects nothing. A topic that was there before keeps its address and
   /// what it counted.
   void configure(const Config& config);
@@ -40,9 +40,9 @@ class Outlet {
   std::optional<std::size_t> find_source(const std::string& name) const;
   /// The number of a source that must be there.
   std::size_t source(const std::string& name) const;
-  /// From now on `output` gets what the source gives, as its source number `place`.
-  void connect(std::size_t source, Output& output, std::size_t place) {
-    consumers_.at(source).push_back({&output, place});
+  /// From now on `output` gets what the source gives, as its source number `index`.
+  void connect(std::size_t source, Maker& output, std::size_t index) {
+    consumers_.at(source).push_back({&output, index});
   }
 
   /// To the sink, and to the outputs that are made of a scan on this topic.
@@ -70,8 +70,8 @@ class Outlet {
 
  private:
   struct Consumer {
-    Output* output;
-    std::size_t place;  // of the source among those of the output
+    Maker* output;
+    std::size_t index;  // of the source among those of the output
   };
   FrameSink& sink_;
   Forward forward_ = [](const std::string&, const PlanarScan&, Stamp) {};
@@ -85,16 +85,16 @@ class Outlet {
 };
 
 /// What the outputs of a pipeline share; it must outlive them.
-struct OutputContext {
+struct MakerContext {
   const VehicleConfig& vehicle;
   const FrameTree& poses;
-  Outlet& outlet;
+  Router& router;
 };
 
 /// Something made of the frames of sources: an entry of merged_scans:, merged_clouds: or virtual_scans:.
-class Output {
+class Maker {
  public:
-  virtual ~Output() = default;
+  virtual ~Maker() = default;
   virtual OutputId id() const = 0;
   /// True if it is just what the entry asks for.
   virtual bool is_of(const MergedScanConfig& /*entry*/) const { return false; }
@@ -104,7 +104,7 @@ class Output {
   virtual std::vector<std::string> sources() const = 0;
   /// False while nobody would get what it makes.
   virtual bool is_wanted() const { return true; }
-  /// A scan of one of them, `source` being its place there.
+  /// A scan of one of them, `source` being its index there.
   virtual void add_scan(std::size_t /*source*/, const PlanarScan& /*scan*/, Stamp /*now*/) {}
   virtual void add_cloud(std::size_t /*source*/, const Cloud& /*cloud*/, Stamp /*now*/) {}
   /// A cloud without points, since nobody wanted them when it began.
@@ -128,9 +128,9 @@ class Output {
 };
 
 /// The output of an entry.
-std::unique_ptr<Output> make_output(const MergedScanConfig& config, const OutputContext& context);
-std::unique_ptr<Output> make_output(const MergedCloudConfig& config, const OutputContext& context);
-std::unique_ptr<Output> make_output(const VirtualScanConfig& config, const OutputContext& context);
+std::unique_ptr<Maker> make_maker(const MergedScanConfig& config, const MakerContext& context);
+std::unique_ptr<Maker> make_maker(const MergedCloudConfig& config, const MakerContext& context);
+std::unique_ptr<Maker> make_maker(const VirtualScanConfig& config, const MakerContext& context);
 
 /// False for an output of an instant that would show what the last one did. Stamps that stand still are 1 ns
 /// apart (SteadyStamps); after a jump back the input has begun again.

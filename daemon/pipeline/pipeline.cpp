@@ -15,13 +15,13 @@ Pipeline::Pipeline(const Config& config, TransformSource& transforms, FrameSink&
     : vehicle_(config.vehicle),
       frames_(config, transforms),
       motion_(vehicle_, transforms, frames_),
-      outlet_(sink) {
+      router_(sink) {
   configure(config);
 }
 
 void Pipeline::configure(const Config& config) {
   List<Sensor> sensors = std::exchange(sensors_, {});
-  List<Output> outputs = std::exchange(outputs_, {});
+  List<Maker> outputs = std::exchange(outputs_, {});
   // What an output shows depends on the vehicle's outline too.
   const bool is_other_vehicle = !(vehicle_ == config.vehicle);
   if (is_other_vehicle) outputs.clear();
@@ -29,11 +29,11 @@ void Pipeline::configure(const Config& config) {
   frames_.configure(config);
   motion_.configure();
   if (is_other_vehicle) motion_.restart();  // poses in another frame do not continue those before
-  outlet_.configure(config);
+  router_.configure(config);
   flows_ = {};
   tcp_ports_.clear();
-  for (std::size_t place = 0; place < config.sensors.size(); ++place)
-    add_sensor(config.sensors[place], place, sensors);
+  for (std::size_t index = 0; index < config.sensors.size(); ++index)
+    add_sensor(config.sensors[index], index, sensors);
   for (const auto& entry : config.merged_scans) add_output(entry, outputs);
   for (const auto& entry : config.merged_clouds) add_output(entry, outputs);
   for (const auto& entry : config.virtual_scans) add_output(entry, outputs);
@@ -41,33 +41,33 @@ void Pipeline::configure(const Config& config) {
   report_wanted_ = true;
 }
 
-void Pipeline::add_sensor(const SensorConfig& entry, std::size_t place, List<Sensor>& before) {
+void Pipeline::add_sensor(const SensorConfig& entry, std::size_t index, List<Sensor>& before) {
   const auto same = std::find_if(before.begin(), before.end(),
                                  [&](const auto& one) { return one && one->config() == entry; });
   const bool is_new = same == before.end();
-  sensors_.push_back(is_new ? std::make_unique<Sensor>(entry, place, sensor_context_) : std::move(*same));
+  sensors_.push_back(is_new ? std::make_unique<Sensor>(entry, index, sensor_context_) : std::move(*same));
   if (is_new) sensors_.back()->begun = sensor_context_.now;
-  sensors_.back()->set_place(place);
+  sensors_.back()->set_index(index);
   for (const Flow& flow : flows_of(entry)) flows_.add(flow, sensors_.back().get());
   if (entry.model != nullptr && entry.model->transport == Transport::tcp) tcp_ports_.insert(entry.ip_port);
 }
 
 template <class Entry>
-void Pipeline::add_output(const Entry& entry, List<Output>& before) {
+void Pipeline::add_output(const Entry& entry, List<Maker>& before) {
   const auto same =
       std::find_if(before.begin(), before.end(), [&](const auto& one) { return one && one->is_of(entry); });
   const bool is_new = same == before.end();
-  outputs_.push_back(is_new ? make_output(entry, output_context_) : std::move(*same));
-  Output& output = *outputs_.back();
+  outputs_.push_back(is_new ? make_maker(entry, output_context_) : std::move(*same));
+  Maker& output = *outputs_.back();
   if (is_new) output.begun = sensor_context_.now;
-  std::size_t place = 0;
-  for (const std::string& name : output.sources()) outlet_.connect(outlet_.source(name), output, place++);
+  std::size_t index = 0;
+  for (const std::string& name : output.sources()) router_.connect(router_.source(name), output, index++);
 }
 
-/// The sensor of that place in the configuration.
-Sensor& Pipeline::sensor_at(std::size_t place) const {
-  const auto has_place = [place](const auto& sensor) { return sensor->place() == place; };
-  return **std::find_if(sensors_.begin(), sensors_.end(), has_place);
+/// The sensor of that index in the configuration.
+Sensor& Pipeline::sensor_at(std::size_t index) const {
+  const auto has_index = [index](const auto& sensor) { return sensor->index() == index; };
+  return **std::find_if(sensors_.begin(), sensors_.end(), has_index);
 }
 
 /// The sensor that a packet belongs to; nullptr: no sensor, or a packet without use.
@@ -117,12 +117,12 @@ void Pipeline::connected(std::size_t sensor, Stamp now) {
 }
 
 void Pipeline::forwarded_scan(const std::string& source, const PlanarScan& scan, Stamp received) {
-  const auto number = outlet_.find_source(source);
+  const auto number = router_.find_source(source);
   if (!number) return;  // a reload has removed it
   advance(received);
   motion_.poll(received);
   motion_.note_data(scan.stamp, received);
-  outlet_.feed(*number, scan, received);
+  router_.feed(*number, scan, received);
 }
 
 /// Messages of a sensor's topic, of packets for its driver or not.
@@ -199,7 +199,7 @@ void Pipeline::advance_to(Stamp at) {
 }
 
 std::optional<Stamp> Pipeline::next_event() {
-  if (!outlet_.was_fed() && knows_next_event_) return next_event_;
+  if (!router_.was_fed() && knows_next_event_) return next_event_;
   next_event_.reset();
   const auto consider = [this](const auto& all) {
     for (const auto& one : all) {

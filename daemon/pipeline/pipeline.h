@@ -79,7 +79,7 @@ class StartWatch {
 /// replay; it has no thread and no clock: time is what the arrivals and tick() say.
 ///
 /// The stages in order: whose packet it is (flows), the sensors with their drivers, what is made of their
-/// frames (outputs), and the way on (outlet), which ends in the sink.
+/// frames (outputs), and the way on (router), which ends in the sink.
 class Pipeline final : public MessageReceiver {
  public:
   /// `transforms` and `sink` must outlive the pipeline.
@@ -89,7 +89,7 @@ class Pipeline final : public MessageReceiver {
   /// happened.
   void configure(const Config& config);
   /// What gets the scans of Config::Elsewhere::merged.
-  void set_forward(Forward forward) { outlet_.set_forward(std::move(forward)); }
+  void set_forward(Forward forward) { router_.set_forward(std::move(forward)); }
   /// The configured transforms, for /tf_static.
   const std::vector<StaticTransform>& static_transforms() const { return frames_.transforms(); }
 
@@ -101,7 +101,7 @@ class Pipeline final : public MessageReceiver {
 
   /// Where requests to devices go; must outlive the pipeline's use. nullptr, as in replay: they are dropped.
   void set_links(DeviceConnections* links) { sensor_context_.connections = links; }
-  /// What came over the connection of a sensor, `sensor` being its place in the configuration.
+  /// What came over the connection of a sensor, `sensor` being its index in the configuration.
   void chunk(std::size_t sensor, const Packet& packet);
   void connected(std::size_t sensor, Stamp now);
   void disconnected(std::size_t sensor) { sensor_at(sensor).disconnected(); }
@@ -138,7 +138,7 @@ class Pipeline final : public MessageReceiver {
   /// States and counters; what the parts refer to is valid until the next configure().
   PipelineStatus status(Stamp now) const;
   /// What came out so far, one for each of output_topics().
-  const std::vector<OutputReport>& output_reports() const { return outlet_.reports(); }
+  const std::vector<OutputReport>& output_reports() const { return router_.reports(); }
   /// Senders on a configured port that no sensor claims, "192.168.1.9:2368 (412 packets)".
   std::vector<std::string> unclaimed_senders() const { return unknown_senders_.names(); }
   /// The newest time that the pipeline knows.
@@ -150,13 +150,13 @@ class Pipeline final : public MessageReceiver {
   template <class What>
   using List = std::vector<std::unique_ptr<What>>;
 
-  Sensor& sensor_at(std::size_t place) const;
+  Sensor& sensor_at(std::size_t index) const;
   Sensor* owner_of(const Packet& packet);
   template <class Message>
   void sensor_message(const std::string& name, Message& message, Stamp received);
-  void add_sensor(const SensorConfig& entry, std::size_t place, List<Sensor>& before);
+  void add_sensor(const SensorConfig& entry, std::size_t index, List<Sensor>& before);
   template <class Entry>
-  void add_output(const Entry& entry, List<Output>& before);
+  void add_output(const Entry& entry, List<Maker>& before);
   void advance_to(Stamp at);
   void call_reporter(Stamp now);
 
@@ -167,16 +167,16 @@ class Pipeline final : public MessageReceiver {
   std::set<std::uint16_t> tcp_ports_;  // of devices that stream over TCP
   UnknownSenders unknown_senders_;
   List<Sensor> sensors_;
-  List<Output> outputs_;
-  Outlet outlet_;
-  SensorContext sensor_context_{outlet_, motion_};
+  List<Maker> outputs_;
+  Router router_;
+  SensorContext sensor_context_{router_, motion_};
   /// The time by the sensors' clocks, when packets had this arrival.
   struct MadeTime {
     Stamp arrival, now;
   };
   std::optional<MadeTime> made_time_;
   Span made_ahead_{0};  // by which the time was ahead of the newest packet's arrival
-  OutputContext output_context_{vehicle_, frames_, outlet_};
+  MakerContext output_context_{vehicle_, frames_, router_};
   StartWatch start_;
   std::optional<Stamp> next_event_;
   bool knows_next_event_ = false;

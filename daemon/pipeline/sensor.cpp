@@ -33,9 +33,9 @@ void set_unobserved(const PlanarScan& shape, PlanarScan& scan) {
 
 }  // namespace
 
-Sensor::Sensor(const SensorConfig& config, std::size_t place, SensorContext& context)
+Sensor::Sensor(const SensorConfig& config, std::size_t index, SensorContext& context)
     : config_(config),
-      place_(place),
+      index_(index),
       context_(context),
       arranger_(config.layout),
       watch_(watch_of(config)),
@@ -49,7 +49,7 @@ Sensor::Sensor(const SensorConfig& config, std::size_t place, SensorContext& con
     placer_.emplace(config_, arranger_, context.motion,
                     [this](Cloud& cloud, Stamp now) { publish_cloud(cloud, now); });
   for (const OutputTopic& own : sensor_topics(config_)) {
-    const OutputTopic& topic = context.outlet.topic(own.name);
+    const OutputTopic& topic = context.router.topic(own.name);
     if (!topic.from.empty())
       device_topics_.push_back(&topic);
     else if (topic.kind == TopicKind::message)
@@ -128,8 +128,8 @@ void Sensor::publish_scan(const OutputTopic& topic, std::optional<FrameFilter>& 
     filter->apply(scan);
   }
   PlanarScan& published = in_order(scan);
-  context_.outlet.publish(topic, published, context_.now);
-  for (const OutputTopic* more : more_scan_topics_) context_.outlet.publish(*more, published, context_.now);
+  context_.router.publish(topic, published, context_.now);
+  for (const OutputTopic* more : more_scan_topics_) context_.router.publish(*more, published, context_.now);
   if (!filter) feed(scan);
 }
 
@@ -141,12 +141,12 @@ PlanarScan& Sensor::in_order(PlanarScan& scan) {
 
 void Sensor::publish_raw() {
   if (raw_topic_ == nullptr || raw_.is_empty()) return;
-  context_.outlet.publish(*raw_topic_, raw_.message(), context_.now);
+  context_.router.publish(*raw_topic_, raw_.message(), context_.now);
   raw_.clear();
 }
 
 bool Sensor::wants_cloud() {
-  cloud_wanted_ = ring_scan_ || context_.outlet.feeds(place_) || context_.outlet.wants(*topic_);
+  cloud_wanted_ = ring_scan_ || context_.router.feeds(index_) || context_.router.wants(*topic_);
   return *cloud_wanted_;
 }
 
@@ -157,12 +157,12 @@ void Sensor::cloud(Cloud& cloud) {
   cloud_wanted_.reset();
   if (!is_wanted) {
     follow_motion(cloud.stamp);
-    context_.outlet.pass_by(place_, cloud, context_.now);
-    return context_.outlet.skip(*topic_, context_.now);
+    context_.router.pass_by(index_, cloud, context_.now);
+    return context_.router.skip(*topic_, context_.now);
   }
   feed(cloud);
   if (ring_scan_ && ring_scan_->convert(cloud, ring_)) publish_scan(*ring_topic_, ring_filter_, ring_);
-  if (!context_.outlet.wants(*topic_)) return context_.outlet.skip(*topic_, context_.now);
+  if (!context_.router.wants(*topic_)) return context_.router.skip(*topic_, context_.now);
   if (filter_) filter_->apply(cloud);
   // The sinks come last, since they may keep the points.
   if (placer_)
@@ -172,7 +172,7 @@ void Sensor::cloud(Cloud& cloud) {
 }
 
 void Sensor::publish_cloud(Cloud& cloud, Stamp now) {
-  context_.outlet.publish(*topic_, arranger_.is_plain() ? cloud : arranger_.arrange(cloud), now);
+  context_.router.publish(*topic_, arranger_.is_plain() ? cloud : arranger_.arrange(cloud), now);
 }
 
 void Sensor::follow_motion(Stamp frame) {
@@ -183,12 +183,12 @@ void Sensor::follow_motion(Stamp frame) {
 template <class Frame>
 void Sensor::feed(const Frame& frame) {
   follow_motion(frame.stamp);
-  context_.outlet.feed(place_, frame, context_.now);
+  context_.router.feed(index_, frame, context_.now);
 }
 
 void Sensor::publish_from_device(std::string_view name, const Payload& payload) {
   for (const OutputTopic* topic : device_topics_) {
-    if (topic->from == name) context_.outlet.publish(*topic, payload, context_.now);
+    if (topic->from == name) context_.router.publish(*topic, payload, context_.now);
   }
 }
 
@@ -199,7 +199,7 @@ void Sensor::extra_scan(std::string_view name, PlanarScan& scan) { publish_from_
 void Sensor::note(std::string_view sentence) { log_info("{}: {}", config_.name, sentence); }
 
 void Sensor::request(ByteView bytes) {
-  if (context_.connections != nullptr) context_.connections->send(place_, bytes);
+  if (context_.connections != nullptr) context_.connections->send(index_, bytes);
 }
 
 Stamp Sensor::leaves(Stamp arrival) {
@@ -211,9 +211,9 @@ void Sensor::apply_connection_request() {
   DeviceConnections* const connections = context_.connections;
   if (connections == nullptr || what == ConnectionRequest::none) return;
   if (what != ConnectionRequest::connect)
-    return connections->disconnect(place_, what == ConnectionRequest::connect_anew);
+    return connections->disconnect(index_, what == ConnectionRequest::connect_anew);
   const IpAddress address = config_.ip_address.value_or(sender_);
-  if (address != IpAddress()) connections->connect(place_, address);
+  if (address != IpAddress()) connections->connect(index_, address);
 }
 
 void Sensor::connected(Stamp now) {
@@ -313,8 +313,8 @@ SensorStatus Sensor::status(Stamp now) const {
   const bool silent =
       !seen_ || silence_of(last_arrival_, watch_.period_s(), context_.now) != SilenceLevel::none;
   if (context_.connections != nullptr && silent) {
-    status.link_trouble = context_.connections->trouble(place_);
-    status.link_hint = context_.connections->hint(place_);
+    status.link_trouble = context_.connections->trouble(index_);
+    status.link_hint = context_.connections->hint(index_);
   }
   status.other_models = other_model_.models();
   status.clock_ahead = topic_clock_.ahead();

@@ -51,7 +51,7 @@ class DeviceConnections {
 
 /// The context of the sensors of a pipeline: outputs, connections and time.
 struct SensorContext {
-  Outlet& outlet;
+  Router& router;
   VehicleMotion& motion;
   DeviceConnections* connections = nullptr;  ///< nullptr, as in replay: requests are dropped
   Stamp now{};
@@ -59,15 +59,15 @@ struct SensorContext {
 };
 
 /// One sensor: its driver, its connection, the reception of its data and the outputs of its frames.
-class Sensor final : public DriverOutput {
+class Sensor final : public FrameReceiver {
  public:
-  /// `place`: index in the configuration. `context` must outlive this.
-  Sensor(const SensorConfig& config, std::size_t place, SensorContext& context);
+  /// `index`: index in the configuration. `context` must outlive this.
+  Sensor(const SensorConfig& config, std::size_t index, SensorContext& context);
 
   const SensorConfig& config() const { return config_; }
-  std::size_t place() const { return place_; }
+  std::size_t index() const { return index_; }
   /// Sets another index in the configuration.
-  void set_place(std::size_t place) { place_ = place; }
+  void set_index(std::size_t index) { index_ = index; }
   const Counters& counters() const { return driver_ ? driver_->counters() : topic_counters_; }
 
   /// Applies settings that may change at run time: those of Driver::change(), and the layout of the cloud.
@@ -156,7 +156,7 @@ class Sensor final : public DriverOutput {
   void publish_from_device(std::string_view name, const Payload& payload);
 
   SensorConfig config_;
-  std::size_t place_;
+  std::size_t index_;
   SensorContext& context_;
   std::unique_ptr<Driver> driver_;                   // nullptr: another driver publishes on config_.topic
   std::optional<FrameFilter> filter_, ring_filter_;  // of its frames, and of the ring that is a scan

@@ -70,7 +70,7 @@ struct MotionStatus {
 };
 
 /// What an output did since the start.
-struct OutputCounters {
+struct MakerCounters {
   std::uint64_t published = 0;
   std::uint64_t held_back = 0;  ///< outputs not published, since they would show the former instant again
   std::uint64_t no_pose = 0;    ///< inputs not used because the pose of a frame was not known
@@ -111,7 +111,7 @@ struct VirtualStatus {
 struct OutputStatus {
   OutputId id;
   std::vector<std::string> sources, topics;
-  OutputCounters counters;
+  MakerCounters counters;
   bool starting = false;  ///< waiting for input is no fault yet
   bool is_wanted = true;  ///< false: nobody gets what it makes
   std::optional<MergeStatus> merge;

@@ -19,7 +19,7 @@ void add_lines(const std::ostringstream& text, std::vector<std::string>& list) {
 
 }  // namespace
 
-class Decoder final : public DriverOutput {
+class Decoder final : public FrameReceiver {
  public:
   using AddScan = std::function<void(const std::string&, const PlanarScan&)>;
   using AddCloud = std::function<void(const std::string&, Cloud&)>;

@@ -26,7 +26,7 @@ std::string_view unmarked(std::string_view echo) {
 
 }  // namespace
 
-void ScipDialogue::connected(Stamp now, DriverOutput& out) {
+void ScipDialogue::connected(Stamp now, FrameReceiver& out) {
   introduced_ = compare_only_ = without_percent_ = false;
   patience_ = {};
   stalls_ = 0;
@@ -39,7 +39,7 @@ void ScipDialogue::connected(Stamp now, DriverOutput& out) {
 
 /// From any state of the sensor to its stream. Continues after each `yield` with the answer; a comparison
 /// also without one.
-void ScipDialogue::script(DriverOutput& out) {
+void ScipDialogue::script(FrameReceiver& out) {
   reenter(script_) {
     comparing_ = false;
     yield ask("QT\n", out);
@@ -71,9 +71,9 @@ void ScipDialogue::script(DriverOutput& out) {
   }
 }
 
-void ScipDialogue::ask(std::string_view request, DriverOutput& out) { ask(request, out, answer_patience); }
+void ScipDialogue::ask(std::string_view request, FrameReceiver& out) { ask(request, out, answer_patience); }
 
-void ScipDialogue::ask(std::string_view request, DriverOutput& out, Span patience) {
+void ScipDialogue::ask(std::string_view request, FrameReceiver& out, Span patience) {
   step_ = Step::asking;
   question_ = request;
   patience_.start_answer(now_, patience);
@@ -81,7 +81,7 @@ void ScipDialogue::ask(std::string_view request, DriverOutput& out, Span patienc
   out.request(ByteView(request));
 }
 
-void ScipDialogue::start(DriverOutput& out) {
+void ScipDialogue::start(FrameReceiver& out) {
   introduced_ = true;
   compare_only_ = false;
   step_ = Step::starting;
@@ -99,7 +99,7 @@ Span ScipDialogue::stream_patience() const {
   return std::max(least_stream_patience, span_from_seconds(5 * turn_s_));
 }
 
-void ScipDialogue::receive(const ScipMessage& message, Stamp now, DriverOutput& out) {
+void ScipDialogue::receive(const ScipMessage& message, Stamp now, FrameReceiver& out) {
   if (step_ == Step::idle) return;
   now_ = now;
   if (parse_scan_request(message.echo)) return follow_stream(message, out);
@@ -126,7 +126,7 @@ bool ScipDialogue::is_compared() {
   return !stamp || owner_.compared(*stamp, asked_, now_) || ++comparisons_ >= most_comparisons;
 }
 
-void ScipDialogue::follow_stream(const ScipMessage& message, DriverOutput& out) {
+void ScipDialogue::follow_stream(const ScipMessage& message, FrameReceiver& out) {
   if (step_ != Step::starting && step_ != Step::streaming) return;
   switch (class_of(message.status)) {
     case StatusClass::data:
@@ -156,7 +156,7 @@ void ScipDialogue::follow_stream(const ScipMessage& message, DriverOutput& out) 
 
 /// The sensor does not know this request: asks without the extension, then without echoes, at last without
 /// intensities. A warning reports what is missing.
-void ScipDialogue::ask_for_less(const ScipMessage& message, DriverOutput& out) {
+void ScipDialogue::ask_for_less(const ScipMessage& message, FrameReceiver& out) {
   if (percent_) {
     percent_ = false;
   } else if (echoes_) {
@@ -176,32 +176,32 @@ void ScipDialogue::ask_for_less(const ScipMessage& message, DriverOutput& out) {
   start(out);
 }
 
-void ScipDialogue::restart_stream(Stamp now, DriverOutput& out) {
+void ScipDialogue::restart_stream(Stamp now, FrameReceiver& out) {
   if (step_ != Step::streaming || now - restarted_ < before_next_try) return;
   restarted_ = now;
   begin_script(now, out);
 }
 
-void ScipDialogue::reexamine(Stamp now, DriverOutput& out) {
+void ScipDialogue::reexamine(Stamp now, FrameReceiver& out) {
   if (step_ != Step::streaming || now - restarted_ < before_next_try) return;
   introduced_ = false;
   without_percent_ = true;
   restart_stream(now, out);
 }
 
-void ScipDialogue::compare_again(Stamp now, DriverOutput& out) {
+void ScipDialogue::compare_again(Stamp now, FrameReceiver& out) {
   if (step_ != Step::streaming) return;
   compare_only_ = true;
   restarted_ = now;
   begin_script(now, out);
 }
 
-void ScipDialogue::tick(Stamp now, DriverOutput& out) {
+void ScipDialogue::tick(Stamp now, FrameReceiver& out) {
   now_ = now;
   if (step_ != Step::idle && patience_.is_over(now)) overdue(out);
 }
 
-void ScipDialogue::overdue(DriverOutput& out) {
+void ScipDialogue::overdue(FrameReceiver& out) {
   if (step_ == Step::waiting) return begin_script(now_, out);
   if (step_ == Step::asking && comparing_) return script(out);
   if (step_ == Step::streaming && stalls_++ == 0) return begin_script(now_, out);

@@ -49,35 +49,35 @@ class ScipDialogue final : public Dialogue {
   ScipDialogue(Owner& owner, WarningBoard<ScipTrouble>& board, const DriverConfig& config)
       : owner_(owner), board_(board), config_(config) {}
 
-  void connected(Stamp now, DriverOutput& out);
+  void connected(Stamp now, FrameReceiver& out);
   void disconnected() { step_ = Step::idle; }
   bool active() const { return step_ != Step::idle; }
   bool streaming() const { return step_ == Step::streaming; }
   /// Every answer, too; `now`: its arrival.
-  void receive(const ScipMessage& message, Stamp now, DriverOutput& out);
-  void tick(Stamp now, DriverOutput& out);
+  void receive(const ScipMessage& message, Stamp now, FrameReceiver& out);
+  void tick(Stamp now, FrameReceiver& out);
   /// Ends the stream and asks for it again, at most once a second.
-  void restart_stream(Stamp now, DriverOutput& out);
+  void restart_stream(Stamp now, FrameReceiver& out);
   /// No answer of the stream fits: asks for the identity again, and for a stream without the % extension.
-  void reexamine(Stamp now, DriverOutput& out);
+  void reexamine(Stamp now, FrameReceiver& out);
   /// Ends the stream, compares the clocks again and goes on.
-  void compare_again(Stamp now, DriverOutput& out);
+  void compare_again(Stamp now, FrameReceiver& out);
 
  private:
   enum class Step : std::uint8_t { idle, asking, starting, streaming, waiting };
 
-  void script(DriverOutput& out) override;
-  void ask(std::string_view request, DriverOutput& out, Span patience);
-  void ask(std::string_view request, DriverOutput& out);
+  void script(FrameReceiver& out) override;
+  void ask(std::string_view request, FrameReceiver& out, Span patience);
+  void ask(std::string_view request, FrameReceiver& out);
   bool expects(const ScipMessage& message) const;
   /// "QT", "TM0", "%TM"
   std::string_view expected() const { return question_.substr(0, question_.size() == 3 ? 2 : 3); }
   bool is_compared();
-  void follow_stream(const ScipMessage& message, DriverOutput& out);
-  void ask_for_less(const ScipMessage& message, DriverOutput& out);
+  void follow_stream(const ScipMessage& message, FrameReceiver& out);
+  void ask_for_less(const ScipMessage& message, FrameReceiver& out);
   void wait(Span time) { step_ = Step::waiting, patience_.start(now_, time); }
-  void start(DriverOutput& out);
-  void overdue(DriverOutput& out);
+  void start(FrameReceiver& out);
+  void overdue(FrameReceiver& out);
   Span stream_patience() const;
 
   Owner& owner_;

@@ -39,7 +39,7 @@ class ScipDriver final : public DriverBase, private ScipDialogue::Owner {
     scan_.frame_id = config.frame_id;
   }
 
-  Verdict receive(const Packet& packet, DriverOutput& out) override {
+  Verdict receive(const Packet& packet, FrameReceiver& out) override {
     if (packet.stream_start && !dialogue_.active()) clock_.connection();
     if (!clock_.ready()) find_newest(packet);
     return read_stream<ScipMessage>(packet, reader_, [&](const ScipMessage& item) {
@@ -49,7 +49,7 @@ class ScipDriver final : public DriverBase, private ScipDialogue::Owner {
     });
   }
 
-  void connected(Stamp now, DriverOutput& out) override {
+  void connected(Stamp now, FrameReceiver& out) override {
     reader_.interrupt();
     clock_.connection();
     comparisons_ = renewals_ = unfit_answers_ = 0;
@@ -62,7 +62,7 @@ class ScipDriver final : public DriverBase, private ScipDialogue::Owner {
   }
 
   const DeviceClock* clock() const override { return &clock_.clock(); }
-  void tick(Stamp now, DriverOutput& out) override {
+  void tick(Stamp now, FrameReceiver& out) override {
     dialogue_.tick(now, out);
     describe_clock(clock_.clock(), clock_.wraps(), now);
     if (std::chrono::abs(now - last_report_) < std::chrono::seconds(1)) return;
@@ -116,7 +116,7 @@ class ScipDriver final : public DriverBase, private ScipDialogue::Owner {
     return ++comparisons_ >= enough_comparisons && rest && *rest < fine_comparison;
   }
 
-  Verdict handle(const ScipMessage& message, Stamp arrival, DriverOutput& out) {
+  Verdict handle(const ScipMessage& message, Stamp arrival, FrameReceiver& out) {
     if (message.echo.empty()) {
       ++counters_.packets;
       return {true, Reject::magic};
@@ -150,7 +150,7 @@ class ScipDriver final : public DriverBase, private ScipDialogue::Owner {
 
   /// A stream without a fitting answer is from another sensor than assumed: asks for its identity again, and
   /// for a plainer stream.
-  void note_fit(Reject reason, Stamp arrival, DriverOutput& out) {
+  void note_fit(Reject reason, Stamp arrival, FrameReceiver& out) {
     if (reason == Reject::none) {
       unfit_answers_ = 0;
       board_.clear(ScipTrouble::unfit);
@@ -221,7 +221,7 @@ class ScipDriver final : public DriverBase, private ScipDialogue::Owner {
   }
 
   Reject publish(const ScipMessage& message, const ScipScanRequest& request, Stamp arrival,
-                 DriverOutput& out) {
+                 FrameReceiver& out) {
     std::string_view body = message.body;
     const std::string_view stamp_line = cut_line(body);
     if (!has_checksum(stamp_line) || !join_lines(body, flat_)) return Reject::checksum;

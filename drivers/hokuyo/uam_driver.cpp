@@ -104,7 +104,7 @@ class UamDriver final : public DriverBase {
     window_ = choose_beams(config_, first_deg * rad_per_deg, row_.step_deg * rad_per_deg, row_.beams, scan_);
   }
 
-  Verdict receive(const Packet& packet, DriverOutput& out) override {
+  Verdict receive(const Packet& packet, FrameReceiver& out) override {
     if (!clock_.ready()) find_newest(packet);
     return read_stream<UamFrame>(packet, reader_, [&](const UamFrame& frame) {
       if (frame.reject == Reject::none) return handle(frame.text, packet.arrival, out);
@@ -113,7 +113,7 @@ class UamDriver final : public DriverBase {
     });
   }
 
-  void connected(Stamp now, DriverOutput& out) override {
+  void connected(Stamp now, FrameReceiver& out) override {
     reader_.interrupt();
     patience_ = {};
     ask(Step::version, now, out);
@@ -125,7 +125,7 @@ class UamDriver final : public DriverBase {
   }
 
   const DeviceClock* clock() const override { return &clock_.clock(); }
-  void tick(Stamp now, DriverOutput& out) override {
+  void tick(Stamp now, FrameReceiver& out) override {
     describe_clock(clock_.clock(), clock_.wraps(), now);
     if (step_ == Step::idle || !patience_.is_over(now)) return;
     if (step_ == Step::waiting) return ask(Step::start, now, out);
@@ -168,7 +168,7 @@ class UamDriver final : public DriverBase {
     return sweep;
   }
 
-  Verdict handle(std::string_view frame, Stamp arrival, DriverOutput& out) {
+  Verdict handle(std::string_view frame, Stamp arrival, FrameReceiver& out) {
     const std::string_view command = frame.substr(5, 4);
     const std::size_t blocks = row_.intensities ? 2 : 1;
     const bool has_distances = command == row_.answer;
@@ -226,7 +226,7 @@ class UamDriver final : public DriverBase {
     patience_.start(now, retry_after);
   }
 
-  Reject publish(std::string_view frame, Stamp arrival, DriverOutput& out) {
+  Reject publish(std::string_view frame, Stamp arrival, FrameReceiver& out) {
     if (frame.substr(9, 2) != "00" || !parse_status(frame, status_)) return Reject::field;
     const Reject reason = fill(frame);
     if (reason != Reject::none) return reason;
@@ -239,13 +239,13 @@ class UamDriver final : public DriverBase {
     return Reject::none;
   }
 
-  void ask(Step step, Stamp now, DriverOutput& out) {
+  void ask(Step step, Stamp now, FrameReceiver& out) {
     step_ = step;
     patience_.start_answer(now, answer_patience);
     send_request(out);
   }
 
-  void send_request(DriverOutput& out) const {
+  void send_request(FrameReceiver& out) const {
     const std::string request = uam_request(step_ == Step::version ? "VR00" : row_.start);
     out.request(ByteView(request));
   }
@@ -302,7 +302,7 @@ class UamDriver final : public DriverBase {
     update(Trouble::contaminated, status_.contaminated != 0, "the scanner's window is dirty; clean it");
   }
 
-  void send_state(DriverOutput& out) {
+  void send_state(FrameReceiver& out) {
     state_->values.clear();
     for (const auto& field : status_fields) {
       if (field.name != nullptr)

@@ -53,7 +53,7 @@ class CloudBuilder {
   }
   /// Finds the frame of a sequence whose first laser fires at device time `time` and fills in the dependent
   /// times. Call once per sequence, then append() for each of its returns.
-  void place(Sequence& sequence, Span time, const DeviceClock& clock, DriverOutput& out) {
+  void place(Sequence& sequence, Span time, const DeviceClock& clock, FrameReceiver& out) {
     auto verdict = within_ ? RevolutionCutter::Verdict::same : cutter_.next(sequence.azimuth_deg, time);
     if (++sequences_ > most_sequences_) verdict = RevolutionCutter::Verdict::forced;
     if (!in_stream_) {
@@ -77,7 +77,7 @@ class CloudBuilder {
   /// Call after a packet's sequences.
   void end_packet() { unpacker_.place(cloud_, points_); }
   /// Ends the current frame: the stream ended or its clock jumped.
-  void cut_off(DriverOutput& out) {
+  void cut_off(FrameReceiver& out) {
     end(false, out);
     cutter_.reset();
   }
@@ -114,7 +114,7 @@ class CloudBuilder {
     return static_cast<std::size_t>(longest_turn / shortest) * 5 / 4 + 100;
   }
 
-  void begin(Span time, bool at_cut, const DeviceClock& clock, DriverOutput& out) {
+  void begin(Span time, bool at_cut, const DeviceClock& clock, FrameReceiver& out) {
     in_stream_ = true;
     is_thin_ = !out.wants_cloud();
     in_view_ = 0;
@@ -159,7 +159,7 @@ class CloudBuilder {
     unpacker_.set_ranges(wanted.min_range, wanted.max_range);
   }
 
-  void end(bool at_cut, DriverOutput& out) {
+  void end(bool at_cut, FrameReceiver& out) {
     if (!in_stream_) return;
     in_stream_ = false;
     unpacker_.place(cloud_, points_);

@@ -175,7 +175,7 @@ void TelemetryReceiver::restart() {
   nmea_ = {};
 }
 
-Reject TelemetryReceiver::receive(const Packet& packet, DriverOutput& out, DeviceInfo& info) {
+Reject TelemetryReceiver::receive(const Packet& packet, FrameReceiver& out, DeviceInfo& info) {
   const auto telemetry = read_telemetry(packet.payload);
   if (!telemetry) return Reject::size;
   const Stamp arrival = packet.arrival;
@@ -251,7 +251,7 @@ ClockClaim TelemetryReceiver::judge(const Telemetry& telemetry) const {
   return has_time ? ClockClaim::other_time : ClockClaim::no_time;
 }
 
-void TelemetryReceiver::send_sentence(DriverOutput& out, bool age_known) {
+void TelemetryReceiver::send_sentence(FrameReceiver& out, bool age_known) {
   if (nmea_.verdict == NmeaVerdict::absent || is_junk(nmea_.verdict)) return;
   const bool valid = nmea_.verdict == NmeaVerdict::valid;
   const bool synchronised = claim_ == ClockClaim::synchronised;
@@ -271,7 +271,7 @@ void TelemetryReceiver::send_sentence(DriverOutput& out, bool age_known) {
   out.message(reference_);
 }
 
-void TelemetryReceiver::send_imu(const RawImu& raw, DriverOutput& out) {
+void TelemetryReceiver::send_imu(const RawImu& raw, FrameReceiver& out) {
   const auto turn = raw.angular_velocity();
   const auto push = raw.linear_acceleration();
   imu_->stamp = host_time(device_);

@@ -89,7 +89,7 @@ class TelemetryReceiver {
 
   /// Parses a packet; Reject::size unless it has telemetry_size bytes. Updates `info` on changes and once per
   /// second.
-  Reject receive(const Packet& packet, DriverOutput& out, DeviceInfo& info);
+  Reject receive(const Packet& packet, FrameReceiver& out, DeviceInfo& info);
   /// Advances the time: an old packet expires.
   void tick(Stamp now, DeviceInfo& info);
   /// DriverConfig::time_offset, from the next packet on.
@@ -104,8 +104,8 @@ class TelemetryReceiver {
   bool store_sentence(std::string_view text);
   void advance_clock(std::uint32_t toh_us, Stamp arrival);
   ClockClaim judge(const Telemetry& telemetry) const;
-  void send_sentence(DriverOutput& out, bool age_known);
-  void send_imu(const RawImu& raw, DriverOutput& out);
+  void send_sentence(FrameReceiver& out, bool age_known);
+  void send_imu(const RawImu& raw, FrameReceiver& out);
   void describe(const Telemetry& telemetry, const Packet& packet, DeviceInfo& info);
   void set_claim(ClockClaim claim, DeviceInfo& info);
   void judge_expectation(Stamp now, DeviceInfo& info);

@@ -62,8 +62,8 @@ class TimingChooser {
 /// The azimuth gives the number of packets modulo a turn, and the arrival gives the turns. A late packet gets
 /// the number of its place, a duplicate the same number again. If the azimuth is implausible (the head
 /// stopped, or packets of two sensors), only the arrivals count. Where the arrivals stand, apart from whole
-/// seconds, the azimuths alone count packets of the period so far. The clock that maps the stamps to the host's
-/// time smooths the jitter of arrivals.
+/// seconds, the azimuths alone count packets of the period so far. The clock that maps the stamps to the
+/// host's time smooths the jitter of arrivals.
 class ArrivalStamps {
  public:
   explicit ArrivalStamps(const ModelRow& row);

@@ -45,7 +45,7 @@ class VelodyneDriver final : public DriverBase {
     telemetry_.set_time_offset(wanted.time_offset);
   }
 
-  Verdict receive(const Packet& packet, DriverOutput& out) override {
+  Verdict receive(const Packet& packet, FrameReceiver& out) override {
     if (packet.transport == Transport::tcp) {
       if (web_) web_->receive(packet, out);
       return {};
@@ -77,7 +77,7 @@ class VelodyneDriver final : public DriverBase {
             device};
   }
 
-  void finish(DriverOutput& out) override {
+  void finish(FrameReceiver& out) override {
     order_.flush([&](const OrderedPacket& p, Span time) { accept(p, time, out); });
     decode_pending(std::nullopt, out);
     frames_.cut_off(out);
@@ -93,13 +93,13 @@ class VelodyneDriver final : public DriverBase {
     edge_.reset();
     pending_ = in_stream_ = false;
   }
-  void connected(Stamp now, DriverOutput& out) override {
+  void connected(Stamp now, FrameReceiver& out) override {
     if (web_) web_->connected(now, out);
   }
   void disconnected() override {
     if (web_) web_->disconnected();
   }
-  void tick(Stamp now, DriverOutput& out) override {
+  void tick(Stamp now, FrameReceiver& out) override {
     telemetry_.tick(now, info_);
     describe_clock(clock_, order_.wraps(), now);
     if (web_) web_->tick(now, out);
@@ -141,7 +141,7 @@ class VelodyneDriver final : public DriverBase {
   }
 
   /// Accepts a packet in order; it waits for the next packet if its times depend on that one.
-  void accept(const OrderedPacket& packet, Span time, DriverOutput& out) {
+  void accept(const OrderedPacket& packet, Span time, FrameReceiver& out) {
     if (row_.has_status()) read_status(packet.view());
     // Times within a frame are differences, so a jump of the device clock ends the frame.
     constexpr Span jump = std::chrono::seconds(5);
@@ -172,14 +172,14 @@ class VelodyneDriver final : public DriverBase {
     }
   }
 
-  void decode_pending(const std::optional<NextPacket>& next, DriverOutput& out) {
+  void decode_pending(const std::optional<NextPacket>& next, FrameReceiver& out) {
     if (!pending_) return;
     pending_ = false;
     decode(waiting_, waiting_time_, next, out);
   }
 
   void decode(const OrderedPacket& packet, Span time, const std::optional<NextPacket>& next,
-              DriverOutput& out) {
+              FrameReceiver& out) {
     const DataPacket view = packet.view();
     const PacketLayout& layout = *packet.layout;
     const bool old_firmware = row_.without_factory_bytes != nullptr && !row_.has_product(view.product());

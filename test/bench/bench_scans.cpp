@@ -61,7 +61,7 @@ void merge(benchmark::State& state) {
 }
 
 /// Keeps a whole revolution.
-class LastCloud final : public DriverOutput {
+class LastCloud final : public FrameReceiver {
  public:
   void scan(PlanarScan& /*scan*/) override {}
   void cloud(Cloud& cloud) override {

@@ -19,7 +19,7 @@ namespace {
 enum class Calibrated { no, angles, all };
 
 /// Sizes of the frames that came out.
-class FrameSizes final : public DriverOutput {
+class FrameSizes final : public FrameReceiver {
  public:
   void scan(PlanarScan& /*scan*/) override {}
   void cloud(Cloud& cloud) override {

@@ -10,7 +10,7 @@
 #include "drivers/capture/pcap_source.h"
 #include "drivers/registry/registry.h"
 
-struct Count final : lidard::DriverOutput {
+struct Count final : lidard::FrameReceiver {
   void scan(lidard::PlanarScan& scan) override { points += scan.beams; }
   void cloud(lidard::Cloud& cloud) override { points += cloud.size(); }
   std::size_t points = 0;

@@ -11,8 +11,8 @@
 
 #include "core/frames/cloud_layout.h"
 #include "core/frames/ring_scan.h"
-#include "core/mounts/mount_check.h"
 #include "core/motion/frame_motion.h"
+#include "core/mounts/mount_check.h"
 #include "core/virtual/virtualizer.h"
 #include "test/support/merge_score.h"
 #include "test/support/random_cloud.h"

@@ -17,7 +17,7 @@ namespace lidard::test {
 namespace {
 
 /// By how much a frame is stamped beyond the arrival of the packet at hand.
-struct Watch final : DriverOutput {
+struct Watch final : FrameReceiver {
   void scan(PlanarScan& scan) override { judge(scan.stamp); }
   void cloud(Cloud& cloud) override { judge(cloud.stamp); }
   void judge(Stamp stamp) {

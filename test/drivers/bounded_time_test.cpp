@@ -108,7 +108,7 @@ struct MillRun {
 };
 
 /// What happens to a driver between packets, now and then.
-void between(Driver& driver, Stamp now, DriverOutput& out, sim::Rng& rng) {
+void between(Driver& driver, Stamp now, FrameReceiver& out, sim::Rng& rng) {
   const std::uint64_t dice = rng.bits() % 4096;
   if (dice < 40) driver.tick(now, out);
   if (dice == 40) driver.restart();

@@ -19,7 +19,7 @@ namespace {
 using namespace std::chrono_literals;
 using Reads = std::vector<std::pair<Stamp, std::string>>;  // arrival and bytes
 
-class StampList final : public DriverOutput {
+class StampList final : public FrameReceiver {
  public:
   void scan(PlanarScan& scan) override { stamps.push_back(scan.stamp); }
   void cloud(Cloud& cloud) override { stamps.push_back(cloud.stamp); }

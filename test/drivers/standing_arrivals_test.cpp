@@ -33,7 +33,7 @@ struct Played {
   Counters counters;
 };
 
-class StampList final : public DriverOutput {
+class StampList final : public FrameReceiver {
  public:
   explicit StampList(std::vector<Stamp>& stamps) : stamps_(stamps) {}
   void scan(PlanarScan& scan) override { stamps_.push_back(scan.stamp); }
@@ -93,7 +93,8 @@ const Recorded simulated_captures[] = {{"pcaps/hokuyo_ust_10lx.pcap", "hokuyo_us
 std::vector<std::pair<const char*, Retime>> empty_times() {
   return {{"one time", [](Stamp, std::size_t) { return Stamp{1'600'000'000 * second}; }},
           {"none", [](Stamp, std::size_t) { return Stamp{second}; }},
-          {"counted up", [](Stamp, std::size_t n) { return Stamp{second + static_cast<std::int64_t>(n) * 1000}; }},
+          {"counted up",
+           [](Stamp, std::size_t n) { return Stamp{second + static_cast<std::int64_t>(n) * 1000}; }},
           {"whole seconds", [](Stamp a, std::size_t) { return Stamp{a.ns / second * second}; }},
           {"whole seconds, from their end on",
            [](Stamp a, std::size_t) { return Stamp{(a.ns + 987'654'321) / second * second}; }},
@@ -156,8 +157,8 @@ TEST(StandingArrivals, BurstsAreArrivals) {
     std::vector<Stamp> all;
     const auto note = [&all](Stamp arrival, std::size_t n) { return all.resize(n + 1, arrival), arrival; };
     const Played truth = play(path, recorded.model, recorded.most, note);
-    const Played late = play(path, recorded.model, recorded.most,
-                             [&](Stamp, std::size_t n) { return burst(all, n); });
+    const Played late =
+        play(path, recorded.model, recorded.most, [&](Stamp, std::size_t n) { return burst(all, n); });
     EXPECT_THAT(late.info.warnings, Not(testing::Contains(HasSubstr("arrival")))) << path;
     ASSERT_EQ(late.stamps.size(), truth.stamps.size());
     // The last tenth: a burst at the begin leaves its own frames in doubt.
@@ -191,7 +192,8 @@ TEST(StandingArrivals, APartOfACaptureMayLackThem) {
     };
     const Played played = play(tim, "sick_tim7xxs", 100000, half);
     EXPECT_THAT(played.info.warnings, testing::Contains(HasSubstr("no arrival times"))) << first;
-    EXPECT_EQ(first, testing::Matches(testing::Contains(HasSubstr("a part of the capture")))(played.info.warnings));
+    EXPECT_EQ(first,
+              testing::Matches(testing::Contains(HasSubstr("a part of the capture")))(played.info.warnings));
     std::size_t uneven = 0;
     for (std::size_t i = 1; i < played.stamps.size(); ++i)
       uneven += std::abs(seconds(played.stamps[i] - played.stamps[i - 1]) - 1.0 / 15) > 3e-3 ? 1U : 0U;

@@ -18,7 +18,7 @@ namespace {
 
 using namespace lidard;
 
-class Checker final : public DriverOutput {
+class Checker final : public FrameReceiver {
  public:
   void scan(PlanarScan& scan) override {
     if (violation(scan) != nullptr) std::abort();

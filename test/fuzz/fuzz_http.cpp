@@ -13,7 +13,7 @@ namespace {
 
 using namespace lidard;
 
-class Requests final : public DriverOutput {
+class Requests final : public FrameReceiver {
  public:
   void scan(PlanarScan&) override {}
   void cloud(Cloud&) override {}

@@ -11,7 +11,7 @@
 
 namespace {
 
-class Checker final : public lidard::DriverOutput {
+class Checker final : public lidard::FrameReceiver {
  public:
   void scan(lidard::PlanarScan& scan) override {
     if (lidard::violation(scan) != nullptr) std::abort();

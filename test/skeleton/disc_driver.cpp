@@ -22,17 +22,17 @@ class DiscDriver final : public DriverBase {
  public:
   explicit DiscDriver(const DriverConfig& config);
 
-  Verdict receive(const Packet& packet, DriverOutput& out) override;
-  void finish(DriverOutput&) override { give_up_scan(); }
+  Verdict receive(const Packet& packet, FrameReceiver& out) override;
+  void finish(FrameReceiver&) override { give_up_scan(); }
   void restart() override;
 
  private:
-  Reject use(const Packet& packet, DriverOutput& out);
+  Reject use(const Packet& packet, FrameReceiver& out);
   Reject follow(std::size_t part, std::uint32_t scan, Stamp arrival);
   void begin_scan(std::uint32_t scan, std::uint32_t device_us);
   void give_up_scan();
   void place_beams(ByteView bytes, std::size_t part);
-  void publish(DriverOutput& out);
+  void publish(FrameReceiver& out);
 
   WarningBoard<Warning> board_{info_};
   DeviceClock clock_;
@@ -61,7 +61,7 @@ DiscDriver::DiscDriver(const DriverConfig& config) : DriverBase(config), clock_(
   });
 }
 
-Verdict DiscDriver::receive(const Packet& packet, DriverOutput& out) {
+Verdict DiscDriver::receive(const Packet& packet, FrameReceiver& out) {
   ++counters_.packets;
   counters_.bytes += packet.payload.size();
   const Reject reason = use(packet, out);
@@ -69,7 +69,7 @@ Verdict DiscDriver::receive(const Packet& packet, DriverOutput& out) {
   return {true, reason};
 }
 
-Reject DiscDriver::use(const Packet& packet, DriverOutput& out) {
+Reject DiscDriver::use(const Packet& packet, FrameReceiver& out) {
   const ByteView bytes = packet.payload;
   if (!is_disc(bytes)) return Reject::magic;
   if (bytes.size() != disc::packet_size) return Reject::size;
@@ -142,7 +142,7 @@ void DiscDriver::place_beams(ByteView bytes, std::size_t part) {
   }
 }
 
-void DiscDriver::publish(DriverOutput& out) {
+void DiscDriver::publish(FrameReceiver& out) {
   if (parts_placed_ != disc::parts) return give_up_scan();
   parts_placed_ = 0;
   if (scan_.beams == 0) return;

@@ -21,7 +21,7 @@ constexpr Span cable = 20us;                       // the least a packet takes
 constexpr Span settling = 2s;
 constexpr Span silence = 1500ms;  // of a device that is switched off and on
 
-class ClockBench final : public DriverOutput {
+class ClockBench final : public FrameReceiver {
  public:
   ClockBench(const BenchFamily& family, const BenchScenario& scenario, std::uint64_t seed)
       : family_(family), scenario_(scenario), rng_(seed) {

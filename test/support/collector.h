@@ -23,7 +23,7 @@ struct Row {
 };
 
 /// Keeps everything a driver hands on; a scan that contradicts itself fails the test.
-class Collector : public DriverOutput {
+class Collector : public FrameReceiver {
  public:
   void scan(PlanarScan& scan) override;
   void cloud(Cloud& cloud) override;
@@ -43,7 +43,7 @@ class Collector : public DriverOutput {
 };
 
 /// Keeps nothing, so that it allocates nothing: counts.
-class Counted final : public DriverOutput {
+class Counted final : public FrameReceiver {
  public:
   void scan(PlanarScan& scan) override { ++scans, points += scan.beams; }
   void cloud(Cloud& cloud) override { ++clouds, points += cloud.size(); }

@@ -43,7 +43,7 @@ class Sums {
 };
 
 /// Sums up all that a driver hands on or asks for.
-class SummedOutput final : public DriverOutput {
+class SummedOutput final : public FrameReceiver {
  public:
   void scan(PlanarScan& scan) override { sums.scan("scan", scan); }
   void cloud(Cloud& cloud) override { sums.cloud("cloud", cloud); }

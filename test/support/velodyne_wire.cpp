@@ -81,7 +81,7 @@ std::vector<WirePacket> spin(const ModelMode& which, double turns, sim::Velodyne
   }
 }
 
-Reject give(Driver& driver, const WirePacket& packet, DriverOutput& out) {
+Reject give(Driver& driver, const WirePacket& packet, FrameReceiver& out) {
   const Endpoint sensor{IpAddress::v4(192, 168, 1, 201), 2368};
   const ByteView bytes(packet.bytes.data(), packet.bytes.size());
   return driver.receive({bytes, packet.arrival, sensor, {{}, 2368}}, out).reject;

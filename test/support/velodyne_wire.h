@@ -43,10 +43,10 @@ const std::vector<ModelMode>& model_modes();
 std::vector<WirePacket> spin(const ModelMode& which, double turns, sim::VelodyneOptions options = {});
 
 /// Gives the packet to a driver as coming from a sensor.
-Reject give(Driver& driver, const WirePacket& packet, DriverOutput& out);
+Reject give(Driver& driver, const WirePacket& packet, FrameReceiver& out);
 
 /// Keeps the columns of the frames and counts their points.
-class Columns final : public DriverOutput {
+class Columns final : public FrameReceiver {
  public:
   void scan(PlanarScan& scan) override { static_cast<void>(scan); }
   void cloud(Cloud& cloud) override {

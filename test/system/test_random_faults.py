@@ -54,7 +54,7 @@ def start(network, tmp, name, spoiled):
     with network.among_lidars():
         inlet = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     inlet.bind(("127.0.0.1", 0))
-    outlet = network.lidar(address, port)
+    router = network.lidar(address, port)
 
     def carry():
         waiting = []
@@ -62,7 +62,7 @@ def start(network, tmp, name, spoiled):
             payload = inlet.recv(65536)
             for one in SPOILS[spoiled[name]](payload, waiting) if spoiled.get(name) else [payload]:
                 with contextlib.suppress(OSError):  # no cable
-                    outlet.sendto(one, (HOST, port))
+                    router.sendto(one, (HOST, port))
     threading.Thread(target=carry, daemon=True).start()
     to = f"{HOST}:40001" if name == "back" else f"127.0.0.1:{inlet.getsockname()[1]}"
     scene = scene_of({name: f"model: {model}, from: '{address}:{port}', to: '{to}', pose: {{xyz: {xyz}}}"}, *ROOM, seconds=90_000)

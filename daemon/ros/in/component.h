@@ -22,7 +22,7 @@ namespace lidard {
 
 class MasterClient;
 class MessageReceiver;
-struct ChangeableOutput;
+struct Reconfigurable;
 
 /// A part that needs the ROS connection. All calls but retire() come from the master thread.
 class RosComponent {
@@ -87,7 +87,6 @@ std::shared_ptr<RosComponent> make_ros_motion(const VehicleConfig& vehicle, RosP
 /// dynamic_reconfigure servers of the merged and virtual scans. The callback thread answers requests and
 /// passes on what is accepted. The parameter server is written in the master thread, so that a master that
 /// hangs holds up nobody; dynamic_reconfigure::Server would write it in the answering thread.
-std::shared_ptr<RosComponent> make_ros_reconfigure(std::vector<ChangeableOutput> outputs,
-                                                   const RosPost& post);
+std::shared_ptr<RosComponent> make_ros_reconfigure(std::vector<Reconfigurable> outputs, const RosPost& post);
 
 }  // namespace lidard

@@ -20,24 +20,24 @@ void complete(SensorConfig& sensor) {
   set_ring_limits(sensor);
 }
 
-KeyValue get_output(const Key& key, const ChangeableOutput& output) { return key.get(&output.config); }
-void set_output(const Key& key, ChangeableOutput& output, const KeyValue& value) {
+KeyValue get_output(const Key& key, const Reconfigurable& output) { return key.get(&output.config); }
+void set_output(const Key& key, Reconfigurable& output, const KeyValue& value) {
   key.set(&output.config, value);
 }
 
 /// The increment in force, which may follow from the number of beams; setting it sets that number.
-KeyValue get_increment(const Key& /*key*/, const ChangeableOutput& output) {
+KeyValue get_increment(const Key& /*key*/, const Reconfigurable& output) {
   const auto grid = make_grid(output.config.grid);
   return key_value(output.config.grid.angle_increment.value_or(grid ? grid->increment : 0));
 }
-void set_increment(const Key& key, ChangeableOutput& output, const KeyValue& value) {
+void set_increment(const Key& key, Reconfigurable& output, const KeyValue& value) {
   key.set(&output.config, value);
   output.config.grid.beams.reset();
 }
 
 /// The items have the limits of their keys; those of ira_laser_tools' nodes have their own.
-std::vector<OutputItem> items_of(OutputId::Kind kind, ReconfigureNames names) {
-  std::vector<OutputItem> items;
+std::vector<ReconfigurableItem> items_of(OutputId::Kind kind, ReconfigureNames names) {
+  std::vector<ReconfigurableItem> items;
   for (const Key& key : output_keys()) {
     const GridLimit* const limit = grid_limit(key.name);
     const bool wanted = names == ReconfigureNames::node
@@ -66,8 +66,8 @@ std::string flat_source(const MergedScanConfig& merged, const Config& config) {
   return {};
 }
 
-ChangeableOutput merged_output(const MergedScanConfig& merged, const Config& config, ReconfigureNames names) {
-  ChangeableOutput output;
+Reconfigurable merged_output(const MergedScanConfig& merged, const Config& config, ReconfigureNames names) {
+  Reconfigurable output;
   output.id = {OutputId::Kind::merged, merged.name};
   output.topics.push_back(merged.scan_destination_topic);
   for (const AlsoScanConfig& also : merged.also) output.topics.push_back(also.topic);
@@ -79,8 +79,8 @@ ChangeableOutput merged_output(const MergedScanConfig& merged, const Config& con
   return output;
 }
 
-ChangeableOutput virtual_output(const VirtualScanConfig& group, ReconfigureNames names) {
-  ChangeableOutput output;
+Reconfigurable virtual_output(const VirtualScanConfig& group, ReconfigureNames names) {
+  Reconfigurable output;
   output.id = {OutputId::Kind::virtual_group, group.name};
   std::set<std::string> topics;
   for (const std::string& frame : group.virtual_laser_scan) {
@@ -104,27 +104,27 @@ struct {
                             {"view_direction", -pi_d, pi_d},
                             {"view_width", 0, two_pi}};
 
-KeyValue get_sensor(const Key& key, const ChangeableOutput& output) { return key.get(&*output.sensor); }
-void set_sensor(const Key& key, ChangeableOutput& output, const KeyValue& value) {
+KeyValue get_sensor(const Key& key, const Reconfigurable& output) { return key.get(&*output.sensor); }
+void set_sensor(const Key& key, Reconfigurable& output, const KeyValue& value) {
   key.set(&*output.sensor, value);
 }
 
 /// organize_cloud of velodyne_pointcloud, a flag.
-KeyValue get_organized(const Key& /*key*/, const ChangeableOutput& output) {
+KeyValue get_organized(const Key& /*key*/, const Reconfigurable& output) {
   return output.sensor->layout.order != CloudOrder::list;
 }
-void set_organized(const Key& /*key*/, ChangeableOutput& output, const KeyValue& value) {
+void set_organized(const Key& /*key*/, Reconfigurable& output, const KeyValue& value) {
   output.sensor->layout.order = std::get<bool>(value) ? CloudOrder::firing_rows : CloudOrder::list;
 }
 
-ChangeableOutput sensor_output(const SensorConfig& sensor) {
-  ChangeableOutput output;
+Reconfigurable sensor_output(const SensorConfig& sensor) {
+  Reconfigurable output;
   output.id.entry = sensor.name;
   output.sensor = sensor;
   for (const auto& limit : sensor_limits) {
     for (const Key& key : sensor_keys()) {
       if (key.name != limit.name || !accepts(sensor, key)) continue;
-      OutputItem& item = output.items.emplace_back(key, get_sensor, set_sensor);
+      ReconfigurableItem& item = output.items.emplace_back(key, get_sensor, set_sensor);
       item.lowest = limit.min, item.highest = limit.max;
     }
   }
@@ -135,7 +135,7 @@ ChangeableOutput sensor_output(const SensorConfig& sensor) {
 }
 
 /// Applies a value of a request; a number at the limit of a key that may be unset stands for "not set".
-std::string apply_item(const OutputItem& item, const ItemValues& wanted, ChangeableOutput& output) {
+std::string apply_item(const ReconfigurableItem& item, const ItemValues& wanted, Reconfigurable& output) {
   const std::string name(item.name);
   const KeyValue& value = wanted.at(name);
   if (const auto* number = std::get_if<double>(&value)) {
@@ -157,7 +157,7 @@ std::string apply_item(const OutputItem& item, const ItemValues& wanted, Changea
 }
 
 /// Why these values contradict each other; empty: they do not.
-std::string conflict(const ChangeableOutput& output) {
+std::string conflict(const Reconfigurable& output) {
   if (output.sensor) {
     const DriverConfig& driver = output.sensor->driver;
     return driver.max_range > driver.min_range
@@ -179,7 +179,7 @@ std::string conflict(const ChangeableOutput& output) {
 
 using ConfigMessage = dynamic_reconfigure::Config;
 
-void add(ConfigMessage& config, const OutputItem& item, const KeyValue& value) {
+void add(ConfigMessage& config, const ReconfigurableItem& item, const KeyValue& value) {
   const auto put = [&](auto& list, const auto& held) {
     auto& one = list.emplace_back();
     one.name = item.name;
@@ -191,13 +191,13 @@ void add(ConfigMessage& config, const OutputItem& item, const KeyValue& value) {
 }
 
 /// The limit of a number.
-KeyValue limit_of(const OutputItem& item, double limit) {
+KeyValue limit_of(const ReconfigurableItem& item, double limit) {
   if (item.kind == KeyKind::flag) return limit > 0;
   return item.words.empty() ? KeyValue(limit) : KeyValue(std::string());
 }
 
 /// The meaning, the unit, and the value for "not set".
-std::string description_of(const OutputItem& item) {
+std::string description_of(const ReconfigurableItem& item) {
   std::string text(item.meaning);
   if (!item.unit.empty()) text.append(", ").append(item.unit);
   const auto* none = std::get_if<double>(&item.otherwise);
@@ -214,7 +214,7 @@ ConfigMessage with_group() {
 }
 
 /// How rqt_reconfigure offers words: a Python literal, as parameter_generator writes it.
-std::string edit_method(const OutputItem& item) {
+std::string edit_method(const ReconfigurableItem& item) {
   if (item.words.empty()) return {};
   std::string entries;
   for (const Word& one : item.words) {
@@ -227,7 +227,7 @@ std::string edit_method(const OutputItem& item) {
   return "{'enum_description': '" + description_of(item) + "', 'enum': [" + entries + "]}";
 }
 
-dynamic_reconfigure::ParamDescription described(const OutputItem& item) {
+dynamic_reconfigure::ParamDescription described(const ReconfigurableItem& item) {
   dynamic_reconfigure::ParamDescription description;
   description.name = item.name;
   description.type = item.kind == KeyKind::flag ? "bool" : item.words.empty() ? "double" : "str";
@@ -238,12 +238,12 @@ dynamic_reconfigure::ParamDescription described(const OutputItem& item) {
 
 }  // namespace
 
-std::vector<ChangeableOutput> changeable_outputs(const Config& config, ReconfigureNames names) {
-  std::vector<ChangeableOutput> outputs;
+std::vector<Reconfigurable> changeable_outputs(const Config& config, ReconfigureNames names) {
+  std::vector<Reconfigurable> outputs;
   for (const auto& merged : config.merged_scans) outputs.push_back(merged_output(merged, config, names));
   for (const auto& group : config.virtual_scans) outputs.push_back(virtual_output(group, names));
   std::set<std::string> used;
-  for (ChangeableOutput& output : outputs) {
+  for (Reconfigurable& output : outputs) {
     output.server = output.id.entry;
     while (!used.insert(output.server).second) output.server += "_virtual";
   }
@@ -260,24 +260,24 @@ std::vector<ChangeableOutput> changeable_outputs(const Config& config, Reconfigu
   return outputs;
 }
 
-ItemValues values_of(const ChangeableOutput& output) {
+ItemValues values_of(const Reconfigurable& output) {
   ItemValues values;
-  for (const OutputItem& item : output.items) {
+  for (const ReconfigurableItem& item : output.items) {
     const KeyValue value = item.get_from(item, output);
     values[std::string(item.name)] = value.is_set() ? value : item.otherwise;
   }
   return values;
 }
 
-std::string change(ChangeableOutput& output, const ItemValues& wanted) {
+std::string change(Reconfigurable& output, const ItemValues& wanted) {
   // Values that follow from the number of beams stay, whatever else changes.
   ItemValues values = values_of(output);
   for (const auto& [name, value] : wanted) {
     const auto known = values.find(name);
     if (known != values.end() && known->second.index() == value.index()) known->second = value;
   }
-  ChangeableOutput changed = output;
-  for (const OutputItem& item : output.items) {
+  Reconfigurable changed = output;
+  for (const ReconfigurableItem& item : output.items) {
     if (std::string complaint = apply_item(item, values, changed); !complaint.empty()) return complaint;
   }
   if (changed.sensor) complete(*changed.sensor);
@@ -301,21 +301,21 @@ ItemValues read_values(const ConfigMessage& config) {
   return values;
 }
 
-ConfigMessage config_message(const ChangeableOutput& output) {
+ConfigMessage config_message(const Reconfigurable& output) {
   ConfigMessage config = with_group();
   const ItemValues values = values_of(output);
-  for (const OutputItem& item : output.items) add(config, item, values.at(std::string(item.name)));
+  for (const ReconfigurableItem& item : output.items) add(config, item, values.at(std::string(item.name)));
   return config;
 }
 
-dynamic_reconfigure::ConfigDescription description_message(const ChangeableOutput& output) {
+dynamic_reconfigure::ConfigDescription description_message(const Reconfigurable& output) {
   dynamic_reconfigure::ConfigDescription description;
   description.groups.emplace_back();
   description.groups.back().name = "Default";
   description.min = with_group();
   description.max = with_group();
   description.dflt = config_message(output);
-  for (const OutputItem& item : output.items) {
+  for (const ReconfigurableItem& item : output.items) {
     description.groups.back().parameters.push_back(described(item));
     add(description.min, item, limit_of(item, item.lowest));
     add(description.max, item, limit_of(item, item.highest));

@@ -16,13 +16,13 @@
 
 namespace lidard {
 
-struct ChangeableOutput;
+struct Reconfigurable;
 /// A setting of an output that may be changed while it runs: a key with limits of its own, as it is shown and
 /// set.
-struct OutputItem : Key {
-  using Get = KeyValue (*)(const Key& key, const ChangeableOutput& output);
-  using Set = void (*)(const Key& key, ChangeableOutput& output, const KeyValue& value);
-  OutputItem(const Key& key, Get getter, Set setter) : Key(key), get_from(getter), set_in(setter) {}
+struct ReconfigurableItem : Key {
+  using Get = KeyValue (*)(const Key& key, const Reconfigurable& output);
+  using Set = void (*)(const Key& key, Reconfigurable& output, const KeyValue& value);
+  ReconfigurableItem(const Key& key, Get getter, Set setter) : Key(key), get_from(getter), set_in(setter) {}
   Get get_from;
   Set set_in;
 };
@@ -31,7 +31,7 @@ struct OutputItem : Key {
 using ItemValues = std::map<std::string, KeyValue>;
 
 /// An output, or the clouds of a sensor, whose items may be changed while it runs.
-struct ChangeableOutput {
+struct Reconfigurable {
   OutputId id;
   std::string server;                  ///< name below the node; empty: the node itself
   std::vector<std::string> topics;     ///< of its scans
@@ -39,18 +39,18 @@ struct ChangeableOutput {
   std::string flat_source;             ///< a source without evidence, so that profile is flatten; empty: none
   OutputScanConfig config;             ///< in force
   std::optional<SensorConfig> sensor;  ///< in force, where it is a sensor's; then `config` means nothing
-  std::vector<OutputItem> items;
+  std::vector<ReconfigurableItem> items;
 };
 
 /// The outputs of a configuration with their items.
-std::vector<ChangeableOutput> changeable_outputs(const Config& config, ReconfigureNames names);
+std::vector<Reconfigurable> changeable_outputs(const Config& config, ReconfigureNames names);
 
 /// The values in force.
-ItemValues values_of(const ChangeableOutput& output);
+ItemValues values_of(const Reconfigurable& output);
 
 /// Changes `output` to `wanted`, in which items may be missing; numbers are brought into their limits first.
 /// Returns why it cannot be and the remedy, then nothing changes; empty after success.
-std::string change(ChangeableOutput& output, const ItemValues& wanted);
+std::string change(Reconfigurable& output, const ItemValues& wanted);
 
 /// The number of beams of an output.
 std::size_t beams_of(const OutputScanConfig& config);
@@ -58,8 +58,8 @@ std::size_t beams_of(const OutputScanConfig& config);
 /// The values of a request.
 ItemValues read_values(const dynamic_reconfigure::Config& config);
 /// The values in force as a message.
-dynamic_reconfigure::Config config_message(const ChangeableOutput& output);
+dynamic_reconfigure::Config config_message(const Reconfigurable& output);
 /// The items with their limits as a message; the values in force are their defaults.
-dynamic_reconfigure::ConfigDescription description_message(const ChangeableOutput& output);
+dynamic_reconfigure::ConfigDescription description_message(const Reconfigurable& output);
 
 }  // namespace lidard

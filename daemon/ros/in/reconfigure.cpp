@@ -28,7 +28,7 @@ XmlRpc::XmlRpcValue parameter_of(const KeyValue& value) {
 
 /// The server of one output.
 struct Server : std::enable_shared_from_this<Server> {
-  Server(ChangeableOutput given, RosPost to) : output(std::move(given)), post(std::move(to)) {}
+  Server(Reconfigurable given, RosPost to) : output(std::move(given)), post(std::move(to)) {}
 
   void offer(ros::NodeHandle node) {
     description = node.advertise<dynamic_reconfigure::ConfigDescription>("parameter_descriptions", 1, true);
@@ -116,7 +116,7 @@ struct Server : std::enable_shared_from_this<Server> {
   }
 
   mutable std::mutex mutex;
-  ChangeableOutput output;
+  Reconfigurable output;
   const RosPost post;
   std::atomic<bool> retired{false};
   ros::Publisher updates;
@@ -132,7 +132,7 @@ struct Server : std::enable_shared_from_this<Server> {
 
 class RosReconfigure final : public RosComponent {
  public:
-  RosReconfigure(std::vector<ChangeableOutput> outputs, const RosPost& post) {
+  RosReconfigure(std::vector<Reconfigurable> outputs, const RosPost& post) {
     for (auto& output : outputs) servers_.push_back(std::make_shared<Server>(std::move(output), post));
   }
   void connected(RosCallbackThread& ros) override {
@@ -198,8 +198,7 @@ class RosReconfigure final : public RosComponent {
 
 }  // namespace
 
-std::shared_ptr<RosComponent> make_ros_reconfigure(std::vector<ChangeableOutput> outputs,
-                                                   const RosPost& post) {
+std::shared_ptr<RosComponent> make_ros_reconfigure(std::vector<Reconfigurable> outputs, const RosPost& post) {
   return std::make_shared<RosReconfigure>(std::move(outputs), post);
 }
 

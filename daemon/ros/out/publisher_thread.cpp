@@ -87,7 +87,8 @@ DiagnosticItem topic_item(const std::string& topic, const TopicFigures& f) {
 }  // namespace
 
 /// One more frame than may wait: the thread holds one.
-PublisherThread::Output::Output(std::string name, std::unique_ptr<MessageMaker> makes, std::size_t may_wait)
+PublisherThread::PublishedTopic::PublishedTopic(std::string name, std::unique_ptr<MessageMaker> makes,
+                                                std::size_t may_wait)
     : topic(std::move(name)),
       maker(std::move(makes)),
       depth(may_wait),
@@ -112,12 +113,12 @@ ros::Publisher make_publisher(const std::string& topic, const MessageType& type,
 }
 
 /// The first subscriber gets the next cloud that begins.
-ros::Publisher PublisherThread::Output::make() const {
+ros::Publisher PublisherThread::PublishedTopic::make() const {
   return make_publisher(topic, maker->type(), queue_size, latched,
                         [flag = has_subscribers](const ros::SingleSubscriberPublisher&) { *flag = true; });
 }
 
-void PublisherThread::Output::send(const Payload& payload, Stamp released, const ClockStep& clock) {
+void PublisherThread::PublishedTopic::send(const Payload& payload, Stamp released, const ClockStep& clock) {
   if (latched) return publisher.publish(*latest);
   if (publisher.getNumSubscribers() == 0) return;
   // ros::Publisher::publish() does just this, but makes the message while roscpp holds the lock of all topics
@@ -133,7 +134,7 @@ void PublisherThread::Output::send(const Payload& payload, Stamp released, const
 
 /// roscpp releases a message before an older one only by dropping it from the full queue of a slow
 /// subscriber. The oldest one must be checked last.
-std::size_t PublisherThread::Output::in_flight() {
+std::size_t PublisherThread::PublishedTopic::in_flight() {
   if (sent.size() > 1 && std::any_of(sent.begin() + 1, sent.end(), is_free) && !is_free(sent.front())) {
     const auto kept = std::remove_if(sent.begin() + 1, sent.end(), is_free);
     lost += static_cast<std::uint64_t>(sent.end() - kept);
@@ -144,7 +145,7 @@ std::size_t PublisherThread::Output::in_flight() {
   return sent.size();
 }
 
-bool PublisherThread::Output::loses() const {
+bool PublisherThread::PublishedTopic::loses() const {
   return lost > 0 && Clock::now() - lost_at.load() < news_of_a_loss;
 }
 
@@ -160,8 +161,9 @@ PublisherThread::PublisherThread(const RosOptions& options, ThreadWatch& watch, 
   clock_.wanted = with_clock_;
 }
 
-PublisherThread::Output& PublisherThread::add_output(const std::string& topic,
-                                                     std::unique_ptr<MessageMaker> maker, std::size_t depth) {
+PublisherThread::PublishedTopic& PublisherThread::add_output(const std::string& topic,
+                                                             std::unique_ptr<MessageMaker> maker,
+                                                             std::size_t depth) {
   return outputs_.emplace_back(topic, std::move(maker), block_ ? least_depth : depth);
 }
 
@@ -170,44 +172,44 @@ void PublisherThread::Sink::set_topics(const std::vector<OutputTopic>& topics) {
 }
 
 void PublisherThread::set_topics(const Sink& sink, const std::vector<OutputTopic>& topics,
-                                 std::vector<Output*>& outputs) {
+                                 std::vector<PublishedTopic*>& outputs) {
   const std::lock_guard lock(mutex_);
   outputs.clear();
   for (const OutputTopic& topic : topics) {
     const MessageRow& row = row_of(topic);
     auto maker = row.maker();
-    const auto same = [&](const Output& one) {
+    const auto same = [&](const PublishedTopic& one) {
       return one.topic == topic.name && one.maker->type().name == maker->type().name;
     };
     const auto known = std::find_if(outputs_.begin(), outputs_.end(), same);
-    Output& output =
+    PublishedTopic& output =
         known != outputs_.end() ? *known : add_output(topic.name, std::move(maker), row.queue_depth);
     output.sink = &sink;
     outputs.push_back(&output);
   }
   // Set once, since advertise() may run at the same time.
-  for (Output& output : outputs_) {
+  for (PublishedTopic& output : outputs_) {
     if (output.sink == &sink)
       output.wanted = std::find(outputs.begin(), outputs.end(), &output) != outputs.end();
   }
 }
 
-std::vector<PublisherThread::Output*> PublisherThread::outputs() {
+std::vector<PublisherThread::PublishedTopic*> PublisherThread::outputs() {
   const std::lock_guard lock(mutex_);
-  std::vector<Output*> all;
-  for (Output& output : outputs_) all.push_back(&output);
+  std::vector<PublishedTopic*> all;
+  for (PublishedTopic& output : outputs_) all.push_back(&output);
   return all;
 }
 
 /// True if a frame must be dropped to make room.
-bool PublisherThread::must_drop(const Output& output, Stamp released) const {
+bool PublisherThread::must_drop(const PublishedTopic& output, Stamp released) const {
   constexpr Span longest_wait = std::chrono::seconds(1);
   const std::size_t waiting = output.waiting.size();
   return !block_ && (waiting >= output.depth ||
                      (waiting >= least_depth && released - output.waiting.front()->released > longest_wait));
 }
 
-void PublisherThread::push(Output& output, const Payload& payload, Stamp released) {
+void PublisherThread::push(PublishedTopic& output, const Payload& payload, Stamp released) {
   std::unique_lock lock(mutex_);
   if (block_) emptied_.wait(lock, [&] { return stopping_ || output.waiting.size() < output.depth; });
   if (stopping_) return;
@@ -227,7 +229,7 @@ void PublisherThread::push(Output& output, const Payload& payload, Stamp release
   filled_.notify_one();
 }
 
-void PublisherThread::skip(Output& output, Stamp released) {
+void PublisherThread::skip(PublishedTopic& output, Stamp released) {
   ++(ready_ ? published_ : without_ros_);
   const std::lock_guard lock(mutex_);
   output.watch.released(released);
@@ -236,9 +238,9 @@ void PublisherThread::skip(Output& output, Stamp released) {
 /// The oldest frame; nullptr if none came for a while, or after stop().
 PublisherThread::Frame* PublisherThread::pop() {
   std::unique_lock lock(mutex_);
-  Output* oldest = nullptr;
+  PublishedTopic* oldest = nullptr;
   filled_.wait_for(lock, between_counts, [&] {
-    for (Output& one : outputs_) {
+    for (PublishedTopic& one : outputs_) {
       if (one.waiting.empty()) continue;
       if (oldest == nullptr || one.waiting.front()->number < oldest->waiting.front()->number) oldest = &one;
     }
@@ -274,7 +276,7 @@ void PublisherThread::stop() {
 }
 
 /// roscpp is called without the mutex: the last copy of a publisher waits for the master.
-void PublisherThread::replace_publisher(Output& output, ros::Publisher next, bool leave) {
+void PublisherThread::replace_publisher(PublishedTopic& output, ros::Publisher next, bool leave) {
   {
     const std::lock_guard lock(send_mutex_);
     std::swap(output.publisher, next);
@@ -285,7 +287,7 @@ void PublisherThread::replace_publisher(Output& output, ros::Publisher next, boo
 }
 
 void PublisherThread::advertise() {
-  for (Output* const output : outputs()) {
+  for (PublishedTopic* const output : outputs()) {
     if (output->wanted && !output->publisher) {
       replace_publisher(*output, output->make());
     } else if (!output->wanted && output->publisher) {
@@ -299,7 +301,7 @@ void PublisherThread::advertise() {
 }
 
 void PublisherThread::advertise_again(const std::vector<std::string>& topics) {
-  for (Output* const output : outputs()) {
+  for (PublishedTopic* const output : outputs()) {
     if (!output->publisher || std::find(topics.begin(), topics.end(), output->topic) == topics.end())
       continue;
     replace_publisher(*output, {});
@@ -309,10 +311,10 @@ void PublisherThread::advertise_again(const std::vector<std::string>& topics) {
 
 void PublisherThread::withdraw(bool leave) {
   ready_ = false;
-  for (Output* const output : outputs()) replace_publisher(*output, {}, leave);
+  for (PublishedTopic* const output : outputs()) replace_publisher(*output, {}, leave);
 }
 
-TopicFigures PublisherThread::figures_of(const Output& output, Stamp now) {
+TopicFigures PublisherThread::figures_of(const PublishedTopic& output, Stamp now) {
   std::unique_lock lock(mutex_);
   // A replay releases frames at the times of the capture.
   TopicFigures figures = output.watch.figures(block_ ? output.watch.newest() : now);
@@ -324,14 +326,14 @@ TopicFigures PublisherThread::figures_of(const Output& output, Stamp now) {
 }
 
 TopicFigures PublisherThread::figures(const std::string& topic, Stamp now) {
-  for (const Output* const output : outputs()) {
+  for (const PublishedTopic* const output : outputs()) {
     if (output->topic == topic && output->wanted) return figures_of(*output, now);
   }
   return {};
 }
 
 void PublisherThread::add_diagnostics(std::vector<DiagnosticItem>& items, Stamp now) {
-  for (const Output* const output : outputs()) {
+  for (const PublishedTopic* const output : outputs()) {
     if (!output->wanted || output == &tf_ || output == &clock_) continue;
     const TopicFigures figures = figures_of(*output, now);
     if (figures.frames > 0) items.push_back(topic_item(output->topic, figures));
@@ -340,7 +342,7 @@ void PublisherThread::add_diagnostics(std::vector<DiagnosticItem>& items, Stamp 
 
 std::size_t PublisherThread::in_flight() {
   std::size_t sum = 0;
-  for (Output* const output : outputs()) {
+  for (PublishedTopic* const output : outputs()) {
     const std::scoped_lock lock(mutex_, send_mutex_);
     sum += output->frames.size() - output->free.size() + output->in_flight();
   }
@@ -349,7 +351,7 @@ std::size_t PublisherThread::in_flight() {
 
 void PublisherThread::count_subscribers() {
   std::size_t sum = 0;
-  for (Output* const output : outputs()) {
+  for (PublishedTopic* const output : outputs()) {
     const std::lock_guard lock(send_mutex_);
     const std::size_t count = output->publisher.getNumSubscribers();
     *output->has_subscribers = count > 0;
@@ -377,7 +379,7 @@ void PublisherThread::run() {
 
 /// Converts and publishes; false if nothing is advertised.
 bool PublisherThread::send(Frame& frame) {
-  Output& output = *frame.output;
+  PublishedTopic& output = *frame.output;
   const std::lock_guard lock(send_mutex_);
   if (output.latched) output.latest = output.maker->make(frame.payload(), frame.released, *clock_step_);
   if (!ready_ || !ros::ok() || !output.publisher) return false;
@@ -385,7 +387,7 @@ bool PublisherThread::send(Frame& frame) {
   return true;
 }
 
-void PublisherThread::wait_for_subscribers_of(Output& output) {
+void PublisherThread::wait_for_subscribers_of(PublishedTopic& output) {
   const auto keeps_up = [&] {
     watch_.tick(ThreadWatch::publishing);
     const std::lock_guard lock(send_mutex_);

@@ -35,7 +35,7 @@ ros::Publisher make_publisher(const std::string& topic, const MessageType& type,
 /// converts and publishes in the order in which the frames came. Live, what has waited for a second makes
 /// room for what comes. Frames and their buffers are recycled: no allocation after warm-up.
 class PublisherThread {
-  struct Output;
+  struct PublishedTopic;
 
  public:
   /// `sink`: its number, in the order of add_sink().
@@ -66,11 +66,11 @@ class PublisherThread {
     }
 
    private:
-    Output& output_of(const OutputTopic& topic) const { return *outputs_[topic.id]; }
+    PublishedTopic& output_of(const OutputTopic& topic) const { return *outputs_[topic.id]; }
 
     PublisherThread& publisher_;
     const std::size_t number_;
-    std::vector<Output*> outputs_;  // by OutputTopic::id
+    std::vector<PublishedTopic*> outputs_;  // by OutputTopic::id
   };
 
   /// `watch` must outlive this.
@@ -113,7 +113,7 @@ class PublisherThread {
  private:
   /// A frame that waits for the thread; a Stamp is the time of a replay.
   struct Frame {
-    Output* output = nullptr;
+    PublishedTopic* output = nullptr;
     std::uint64_t number = 0;
     Stamp released{};
     std::variant<PlanarScan, Cloud, MergedCloud, DeviceMessage, std::vector<StaticTransform>, Stamp>
@@ -122,8 +122,8 @@ class PublisherThread {
       return std::visit([](auto& held) { return Payload(held); }, content);
     }
   };
-  struct Output {
-    Output(std::string name, std::unique_ptr<MessageMaker> makes, std::size_t depth);
+  struct PublishedTopic {
+    PublishedTopic(std::string name, std::unique_ptr<MessageMaker> makes, std::size_t depth);
 
     ros::Publisher make() const;
     void send(const Payload& payload, Stamp released, const ClockStep& clock);
@@ -156,20 +156,22 @@ class PublisherThread {
     std::optional<RawMessage> latest;                    // of a latched topic
   };
 
-  void set_topics(const Sink& sink, const std::vector<OutputTopic>& topics, std::vector<Output*>& outputs);
-  Output& add_output(const std::string& topic, std::unique_ptr<MessageMaker> maker, std::size_t depth);
-  std::vector<Output*> outputs();
-  bool wants(const Output& output) const { return block_ || *output.has_subscribers; }
-  bool must_drop(const Output& output, Stamp released) const;
-  void push(Output& output, const Payload& payload, Stamp released);
-  void skip(Output& output, Stamp released);
+  void set_topics(const Sink& sink, const std::vector<OutputTopic>& topics,
+                  std::vector<PublishedTopic*>& outputs);
+  PublishedTopic& add_output(const std::string& topic, std::unique_ptr<MessageMaker> maker,
+                             std::size_t depth);
+  std::vector<PublishedTopic*> outputs();
+  bool wants(const PublishedTopic& output) const { return block_ || *output.has_subscribers; }
+  bool must_drop(const PublishedTopic& output, Stamp released) const;
+  void push(PublishedTopic& output, const Payload& payload, Stamp released);
+  void skip(PublishedTopic& output, Stamp released);
   Frame* pop();
   void give_back(Frame& frame, bool is_published);
-  TopicFigures figures_of(const Output& output, Stamp now);
-  void replace_publisher(Output& output, ros::Publisher next, bool leave = false);
+  TopicFigures figures_of(const PublishedTopic& output, Stamp now);
+  void replace_publisher(PublishedTopic& output, ros::Publisher next, bool leave = false);
   void run();
   bool send(Frame& frame);
-  void wait_for_subscribers_of(Output& output);
+  void wait_for_subscribers_of(PublishedTopic& output);
   void count_subscribers();
 
   const bool block_, with_clock_;
@@ -178,10 +180,10 @@ class PublisherThread {
   const OnDiagnostics on_diagnostics_;
   std::mutex mutex_;
   std::condition_variable filled_, emptied_;
-  std::deque<Output> outputs_;  // guarded by mutex_, which their addresses do not need
-  std::uint64_t pushed_ = 0;    // guarded by mutex_
+  std::deque<PublishedTopic> outputs_;  // guarded by mutex_, which their addresses do not need
+  std::uint64_t pushed_ = 0;            // guarded by mutex_
   std::deque<Sink> sinks_;
-  Output &tf_, &clock_;
+  PublishedTopic &tf_, &clock_;
   std::mutex send_mutex_;
   std::atomic<bool> ready_{false}, stopping_{false};
   std::atomic<std::size_t> subscribers_{0};

@@ -32,32 +32,32 @@ constexpr const char* scans_stopped =
     "settings; it is asked again, check it with SOPAS ET";
 
 template <class Reader>
-bool read_outputs(Reader in, ColaOutputs& outputs) {
+bool read_outputs(Reader in, ColaContents& outputs) {
   for (std::uint8_t& byte : outputs.contents) byte = in.u8();
   outputs.interval = in.u16();
   return in.ok();
 }
 
 /// The echoes that the device sends, "1+2", or "none".
-std::string echoes_of(const ColaOutputs& s) {
+std::string echoes_of(const ColaContents& s) {
   std::string text;
   for (unsigned bit = 0; bit < 5; ++bit) {
-    if ((s.contents[ColaOutputs::echoes] >> bit & 1U) != 0)
+    if ((s.contents[ColaContents::echoes] >> bit & 1U) != 0)
       text += (text.empty() ? "" : "+") + std::to_string(bit + 1);
   }
   return text.empty() ? "none" : text;
 }
 
 /// The differences, for people: "echoes 1 -> 1+2, output interval 1 -> 2".
-std::string changes(const ColaOutputs& before, const ColaOutputs& now) {
+std::string changes(const ColaContents& before, const ColaContents& now) {
   std::string text;
   const auto append = [&text](const char* what, const std::string& was, const std::string& is) {
     if (was == is) return;
     text += (text.empty() ? "" : ", ") + std::string(what) + " " + was + " -> " + is;
   };
-  const auto intensity = [](const ColaOutputs& s) {
-    return std::string((s.contents[ColaOutputs::intensity] & ColaOutputs::with_intensity) != 0 ? "on"
-                                                                                               : "off");
+  const auto intensity = [](const ColaContents& s) {
+    return std::string((s.contents[ColaContents::intensity] & ColaContents::with_intensity) != 0 ? "on"
+                                                                                                 : "off");
   };
   append("echoes", echoes_of(before), echoes_of(now));
   append("intensity", intensity(before), intensity(now));
@@ -88,7 +88,7 @@ unsigned first_number(const ColaTelegram& telegram) {
 
 }  // namespace
 
-void ColaDialogue::connected(Stamp now, DriverOutput& out) {
+void ColaDialogue::connected(Stamp now, FrameReceiver& out) {
   patience_ = {};
   answered_ = scans_ = logged_in_ = contamination_refused_ = false;
   contamination_asked_ = {};
@@ -100,7 +100,7 @@ void ColaDialogue::connected(Stamp now, DriverOutput& out) {
 
 /// Continues after a `yield` with the answer, or without one if the device already sends scans.
 // NOLINTNEXTLINE(readability-function-size): the steps of one dialogue are one coroutine.
-void ColaDialogue::script(DriverOutput& out) {
+void ColaDialogue::script(FrameReceiver& out) {
   const DeviceRequests& requests = config_.requests;
   const bool compares = requests.allow_write || requests.skip || config_.publish_multiecho;
   reenter(script_) {
@@ -167,7 +167,7 @@ void ColaDialogue::disconnected() {
   phase_ = Phase::idle;
 }
 
-void ColaDialogue::ask(std::string_view command, Answer answer, DriverOutput& out) {
+void ColaDialogue::ask(std::string_view command, Answer answer, FrameReceiver& out) {
   phase_ = Phase::asking;
   expected_ = answer;
   refused_ = false;
@@ -176,7 +176,7 @@ void ColaDialogue::ask(std::string_view command, Answer answer, DriverOutput& ou
   send_question(out);
 }
 
-void ColaDialogue::send_question(DriverOutput& out) {
+void ColaDialogue::send_question(FrameReceiver& out) {
   ColaWriter question = session_.ask(question_);
   if (question_ == settings_write) {
     for (const std::uint8_t byte : wanted_->contents) question.u8(byte);
@@ -186,7 +186,7 @@ void ColaDialogue::send_question(DriverOutput& out) {
   send(question.finish(), out);
 }
 
-void ColaDialogue::receive(const ColaTelegram& telegram, Stamp now, DriverOutput& out) {
+void ColaDialogue::receive(const ColaTelegram& telegram, Stamp now, FrameReceiver& out) {
   contamination_refused_ = contamination_refused_ || (phase_ == Phase::streaming && telegram.kind() == "sFA");
   if (phase_ != Phase::asking) return;  // the device stops streaming during the questions
   now_ = now;
@@ -229,7 +229,7 @@ void ColaDialogue::note_login() {
       "not exist; set user_level and user_level_password");
 }
 
-void ColaDialogue::give_up(DriverOutput& out) {
+void ColaDialogue::give_up(FrameReceiver& out) {
   show_warnings();
   phase_ = Phase::idle;
   out.disconnect(true);
@@ -252,7 +252,7 @@ void ColaDialogue::note_identity() {
 }
 
 void ColaDialogue::read_settings() {
-  ColaOutputs read;
+  ColaContents read;
   if (!read_arguments(*answer_, [&](auto in) { return read_outputs(in, read); })) {
     warn(
         "the answer to 'sRN LMDscandatacfg' does not match SICK 8014631, so settings are neither "
@@ -260,25 +260,25 @@ void ColaDialogue::read_settings() {
     return;
   }
   settings_ = read;
-  const bool intensities = (read.contents[ColaOutputs::intensity] & ColaOutputs::with_intensity) != 0;
+  const bool intensities = (read.contents[ColaContents::intensity] & ColaContents::with_intensity) != 0;
   detail("Echoes sent", echoes_of(read));
-  detail("Intensities sent", !intensities                                      ? "no"
-                             : read.contents[ColaOutputs::wide_intensity] == 0 ? "8 bits"
-                                                                               : "16 bits");
+  detail("Intensities sent", !intensities                                       ? "no"
+                             : read.contents[ColaContents::wide_intensity] == 0 ? "8 bits"
+                                                                                : "16 bits");
   detail("Output interval", std::to_string(read.interval));
   compare_settings();
 }
 
 /// Compares the configuration with the device's settings.
 void ColaDialogue::compare_settings() {
-  ColaOutputs wanted = *settings_;
+  ColaContents wanted = *settings_;
   if (config_.requests.skip) wanted.interval = static_cast<std::uint16_t>(*config_.requests.skip + 1);
   if (config_.publish_multiecho && config_.model->has(Trait::echoes))
-    wanted.contents[ColaOutputs::echoes] = row_.echoes;
+    wanted.contents[ColaContents::echoes] = row_.echoes;
   const bool differs = !(wanted == *settings_);
   // Intensities are requested only if writing is allowed, since publish_intensity is the default.
   if (config_.publish_intensity && config_.requests.allow_write)
-    wanted.contents[ColaOutputs::intensity] |= ColaOutputs::with_intensity;
+    wanted.contents[ColaContents::intensity] |= ColaContents::with_intensity;
   if (config_.requests.allow_write) {
     if (!(wanted == *settings_)) wanted_ = wanted;
   } else if (differs) {
@@ -287,7 +287,7 @@ void ColaDialogue::compare_settings() {
   }
 }
 
-void ColaDialogue::note_written(DriverOutput& out) {
+void ColaDialogue::note_written(FrameReceiver& out) {
   const std::string text = "LMDscandatacfg: " + changes(*settings_, *wanted_);
   out.note(text);
   detail("Setting written", text);
@@ -311,7 +311,7 @@ void ColaDialogue::scan_came(ColaDialect dialect, Stamp now) {
   show_warnings();
 }
 
-void ColaDialogue::tick(Stamp now, DriverOutput& out) {
+void ColaDialogue::tick(Stamp now, FrameReceiver& out) {
   now_ = now;
   if (phase_ == Phase::streaming && row_.reports_contamination && !contamination_refused_ &&
       std::chrono::abs(now - contamination_asked_) >= contamination_period) {

@@ -17,7 +17,7 @@
 namespace lidard::sick {
 
 /// LMDscandatacfg: the contents of the device's scans (SICK 8014631 chapter 4.3.1).
-struct ColaOutputs {
+struct ColaContents {
   /// One byte each: echoes (bit by echo; two bytes), intensity, intensity of 16 bits, its unit, encoders (two
   /// bytes), position, name, comment, time.
   std::array<std::uint8_t, 11> contents{};
@@ -27,7 +27,7 @@ struct ColaOutputs {
   /// Bit of `intensity`; the others switch angles (2) and quality (4) on (SICK 8027168, LMS4000, p. 88).
   static constexpr std::uint8_t with_intensity = 1;
 
-  friend bool operator==(const ColaOutputs& a, const ColaOutputs& b) {
+  friend bool operator==(const ColaContents& a, const ColaContents& b) {
     return a.contents == b.contents && a.interval == b.interval;
   }
 };
@@ -41,23 +41,23 @@ class ColaDialogue final : public Dialogue {
   ColaDialogue(const DriverConfig& config, const ColaRow& row)
       : config_(config), row_(row), session_(ColaDialect::b, config.requests, row.login, row.password) {}
 
-  void connected(Stamp now, DriverOutput& out);
+  void connected(Stamp now, FrameReceiver& out);
   void disconnected();
   /// Accepts a telegram that is not an event.
-  void receive(const ColaTelegram& telegram, Stamp now, DriverOutput& out);
+  void receive(const ColaTelegram& telegram, Stamp now, FrameReceiver& out);
   /// Reports the arrival of a scan in this dialect, whether it can be used or not.
   void scan_came(ColaDialect dialect, Stamp now);
-  void tick(Stamp now, DriverOutput& out);
+  void tick(Stamp now, FrameReceiver& out);
 
  private:
   enum class Phase : std::uint8_t { idle, asking, waiting_for_scan, streaming };
   /// `needed`: a missing answer means that a configured request failed; `dispensable`: it means nothing.
   enum class Answer : std::uint8_t { needed, dispensable };
 
-  void script(DriverOutput& out) override;
-  void ask(std::string_view command, Answer answer, DriverOutput& out);
-  void ask(std::string_view command, DriverOutput& out) { ask(command, Answer::needed, out); }
-  void send_question(DriverOutput& out);
+  void script(FrameReceiver& out) override;
+  void ask(std::string_view command, Answer answer, FrameReceiver& out);
+  void ask(std::string_view command, FrameReceiver& out) { ask(command, Answer::needed, out); }
+  void send_question(FrameReceiver& out);
   bool can_login() const;
   /// Longest time between two scans of the stream.
   Span stream_patience() const;
@@ -69,8 +69,8 @@ class ColaDialogue final : public Dialogue {
   void note_identity();
   void read_settings();
   void compare_settings();
-  void note_written(DriverOutput& out);
-  void give_up(DriverOutput& out);
+  void note_written(FrameReceiver& out);
+  void give_up(FrameReceiver& out);
   void warn(std::string sentence) { found_.push_back(std::move(sentence)); }
   void show_warnings() { set_warnings(found_); }
   void change_dialect();
@@ -89,7 +89,7 @@ class ColaDialogue final : public Dialogue {
   bool logged_in_ = false;
   bool contamination_refused_ = false;
   Stamp contamination_asked_{};
-  std::optional<ColaOutputs> settings_, wanted_;
+  std::optional<ColaContents> settings_, wanted_;
   std::vector<std::string> found_;  // warnings of this attempt
 };
 

@@ -40,7 +40,7 @@ class ColaStates {
   }
 
   /// Publishes the telegram if it is one of these messages. Returns why it cannot be parsed.
-  Reject read(const ColaTelegram& telegram, Stamp arrival, const ColaClock& clock, DriverOutput& out) {
+  Reject read(const ColaTelegram& telegram, Stamp arrival, const ColaClock& clock, FrameReceiver& out) {
     const std::string_view kind = telegram.kind(), name = telegram.name();
     if (kind != "sSN" && kind != "sRA") return Reject::none;
     if (name == "LFErec") return read_fields(telegram, arrival, clock, out);
@@ -51,7 +51,7 @@ class ColaStates {
   }
 
   /// The encoders of a scan, if it has any.
-  void encoders(const ColaScan& scan, Stamp stamp, DriverOutput& out) {
+  void encoders(const ColaScan& scan, Stamp stamp, FrameReceiver& out) {
     if (scan.encoder_count == 0) return;
     state_->values.clear();
     for (std::size_t i = 0; i < scan.encoder_count; ++i) {
@@ -62,7 +62,7 @@ class ColaStates {
   }
 
  private:
-  void send(std::string_view topic, Stamp stamp, DriverOutput& out) {
+  void send(std::string_view topic, Stamp stamp, FrameReceiver& out) {
     state_->topic = topic;
     state_->stamp = stamp;
     out.message(state_);
@@ -77,7 +77,8 @@ class ColaStates {
     return (clock.clock().is_held() ? stamp : std::min(stamp, arrival)) + time_offset_;
   }
 
-  Reject read_fields(const ColaTelegram& telegram, Stamp arrival, const ColaClock& clock, DriverOutput& out) {
+  Reject read_fields(const ColaTelegram& telegram, Stamp arrival, const ColaClock& clock,
+                     FrameReceiver& out) {
     const Reject reason = parse_cola_fields(telegram, fields_);
     if (reason != Reject::none) return reason;
     state_->values.clear();
@@ -90,7 +91,7 @@ class ColaStates {
   }
 
   Reject read_pins(const ColaTelegram& telegram, bool output, Stamp arrival, const ColaClock& clock,
-                   DriverOutput& out) {
+                   FrameReceiver& out) {
     const Reject reason = output ? parse_cola_outputs(telegram, pins_) : parse_cola_inputs(telegram, pins_);
     if (reason != Reject::none) return reason;
     state_->values.clear();
@@ -104,7 +105,7 @@ class ColaStates {
     return Reject::none;
   }
 
-  Reject read_imu(const ColaTelegram& telegram, Stamp arrival, const ColaClock& clock, DriverOutput& out) {
+  Reject read_imu(const ColaTelegram& telegram, Stamp arrival, const ColaClock& clock, FrameReceiver& out) {
     ColaImu read;
     const Reject reason = parse_cola_imu(telegram, read);
     if (reason != Reject::none) return reason;
@@ -135,7 +136,7 @@ class ColaDriver final : public DriverBase {
         states_(config),
         dialogue_(config, row_) {}
 
-  Verdict receive(const Packet& packet, DriverOutput& out) override {
+  Verdict receive(const Packet& packet, FrameReceiver& out) override {
     if (packet.stream_start) {
       counting_ = plain_scans_ = compensation_is_new_ = false;
       clock_.restart();
@@ -148,7 +149,7 @@ class ColaDriver final : public DriverBase {
     return verdict;
   }
 
-  void connected(Stamp now, DriverOutput& out) override {
+  void connected(Stamp now, FrameReceiver& out) override {
     stream_.interrupt();
     counting_ = compensation_is_new_ = false;
     dialogue_.connected(now, out);
@@ -161,7 +162,7 @@ class ColaDriver final : public DriverBase {
     if (dialogue_.changed()) show_info();
   }
 
-  void tick(Stamp now, DriverOutput& out) override {
+  void tick(Stamp now, FrameReceiver& out) override {
     dialogue_.tick(now, out);
     describe_clock(clock_.clock(), clock_.wraps(), now);
     if (dialogue_.changed()) show_info();
@@ -169,7 +170,7 @@ class ColaDriver final : public DriverBase {
 
   const DeviceClock* clock() const override { return &clock_.clock(); }
   bool sends_time() const override { return clock_.sends_time(); }
-  void finish(DriverOutput& out) override { cloud_builder_.finish(out); }
+  void finish(FrameReceiver& out) override { cloud_builder_.finish(out); }
 
   void restart() override {
     stream_.interrupt();
@@ -181,7 +182,7 @@ class ColaDriver final : public DriverBase {
   }
 
  private:
-  Verdict handle(const ColaTelegram& telegram, Stamp arrival, DriverOutput& out) {
+  Verdict handle(const ColaTelegram& telegram, Stamp arrival, FrameReceiver& out) {
     if (is_scan(telegram)) {
       ++counters_.packets;
       const bool repeated = is_repeated(telegram.arguments());
@@ -239,7 +240,7 @@ class ColaDriver final : public DriverBase {
     return !monitor || !plain_scans_;
   }
 
-  Reject handle_scan(const ColaTelegram& telegram, Stamp arrival, DriverOutput& out) {
+  Reject handle_scan(const ColaTelegram& telegram, Stamp arrival, FrameReceiver& out) {
     dialogue_.scan_came(telegram.dialect, arrival);
     Reject reason = parse_cola_scan(telegram, scan_);
     if (reason != Reject::none) return reason;
@@ -355,7 +356,7 @@ class ColaDriver final : public DriverBase {
     return row_.stamp == ColaStamp::last_beam && !is_late ? start - geometry_.sweep() : start;
   }
 
-  void publish(Span first, DriverOutput& out) {
+  void publish(Span first, FrameReceiver& out) {
     if (!has_beams_) return;
     const Span before =
         span_from_seconds(geometry_.beam_period * static_cast<double>(scan_builder_.first_beam()));

@@ -208,7 +208,7 @@ void ColaCloudBuilder::choose(const ColaGeometry& geometry) {
 }
 
 bool ColaCloudBuilder::add(const ColaScan& telegram, const ColaGeometry& geometry, Span first,
-                           const ColaClock& clock, DriverOutput& out) {
+                           const ColaClock& clock, FrameReceiver& out) {
   const std::size_t ring = ring_of(telegram.layer);
   if (ring == no_ring) return false;
   choose(geometry);
@@ -226,7 +226,7 @@ bool ColaCloudBuilder::add(const ColaScan& telegram, const ColaGeometry& geometr
   return true;
 }
 
-void ColaCloudBuilder::finish(DriverOutput& out) {
+void ColaCloudBuilder::finish(FrameReceiver& out) {
   if (seen_ == 0) return;
   cloud_.complete = seen_ == all_rings;
   seen_ = 0;

@@ -86,9 +86,9 @@ class ColaCloudBuilder {
   /// Adds a telegram whose first beam was measured at `first` of the device's clock, and publishes a
   /// completed cloud. False: no plane of the device has that angle.
   bool add(const ColaScan& telegram, const ColaGeometry& geometry, Span first, const ColaClock& clock,
-           DriverOutput& out);
+           FrameReceiver& out);
   /// Publishes or drops the unfinished cloud.
-  void finish(DriverOutput& out);
+  void finish(FrameReceiver& out);
   void clear();
 
  private:

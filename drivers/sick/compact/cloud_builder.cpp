@@ -64,7 +64,7 @@ class CloudBuilder final : public FrameBuilder {
     }
   }
 
-  bool end(std::size_t slot, const FrameEnd& how, DriverOutput& out) override {
+  bool end(std::size_t slot, const FrameEnd& how, FrameReceiver& out) override {
     OpenCloud& open = open_[slot];
     if (open.cloud.columns.empty()) return false;
     const bool known = how.expected != 0;

@@ -38,7 +38,7 @@ class CompactDriver final : public DriverBase {
         {"frame", 0}, {"ticks", 0}, {"speed", 0}, {"ticks at reference 1", 0}, {"ticks at reference 2", 0}};
   }
 
-  Verdict receive(const Packet& packet, DriverOutput& out) override {
+  Verdict receive(const Packet& packet, FrameReceiver& out) override {
     if (packet.transport == Transport::udp) return receive_datagram(packet, out);
     if (!dialogue_) {
       if (!clock_.ready()) find_newest(packet);
@@ -50,7 +50,7 @@ class CompactDriver final : public DriverBase {
     return {};
   }
 
-  void connected(Stamp now, DriverOutput& out) override {
+  void connected(Stamp now, FrameReceiver& out) override {
     if (dialogue_) dialogue_->connected(now, out);
   }
   void disconnected() override {
@@ -59,7 +59,7 @@ class CompactDriver final : public DriverBase {
   }
 
   /// Closes a frame whose last segment was lost without waiting for the next frame.
-  void tick(Stamp now, DriverOutput& out) override {
+  void tick(Stamp now, FrameReceiver& out) override {
     describe_clock(clock_, 0, now);
     if (dialogue_) {
       const bool heard = last_stop_us_ != 0;
@@ -73,7 +73,7 @@ class CompactDriver final : public DriverBase {
   }
 
   const DeviceClock* clock() const override { return &clock_; }
-  void finish(DriverOutput& out) override { flush(out, true); }
+  void finish(FrameReceiver& out) override { flush(out, true); }
 
   void restart() override {
     stream_.interrupt();
@@ -104,7 +104,7 @@ class CompactDriver final : public DriverBase {
     for (const auto& [key, value] : dialogue_->info().details) info_.set(key, value);
   }
 
-  Verdict receive_datagram(const Packet& packet, DriverOutput& out) {
+  Verdict receive_datagram(const Packet& packet, FrameReceiver& out) {
     counters_.bytes += packet.payload.size();
     ByteView rest = packet.payload;
     Verdict all;
@@ -131,7 +131,7 @@ class CompactDriver final : public DriverBase {
     return all;
   }
 
-  Verdict handle(const Telegram& telegram, Stamp arrival, DriverOutput& out) {
+  Verdict handle(const Telegram& telegram, Stamp arrival, FrameReceiver& out) {
     const TelegramType type = telegram.type;
     if (type == TelegramType::scan || type == TelegramType::msgpack) {
       ++counters_.packets;
@@ -144,7 +144,7 @@ class CompactDriver final : public DriverBase {
     return {};
   }
 
-  Reject handle_scan(const Telegram& telegram, Stamp arrival, DriverOutput& out) {
+  Reject handle_scan(const Telegram& telegram, Stamp arrival, FrameReceiver& out) {
     const Reject reason = parse_scan(telegram, segment_);
     if (reason != Reject::none) return reason;
     if (!is_ours(segment_.sender, arrival)) {
@@ -172,7 +172,7 @@ class CompactDriver final : public DriverBase {
     return handle_segment(arrival, out);
   }
 
-  Reject handle_segment(Stamp arrival, DriverOutput& out) {
+  Reject handle_segment(Stamp arrival, FrameReceiver& out) {
     const std::uint64_t stop_us = segment_.stop_us();
     clock_.observe(device_span(stop_us), arrival);
     counters_.clock_steps = clock_.steps() + clock_restarts_;
@@ -198,7 +198,7 @@ class CompactDriver final : public DriverBase {
     return Reject::none;
   }
 
-  Reject handle_imu(ByteView telegram, Stamp arrival, DriverOutput& out) {
+  Reject handle_imu(ByteView telegram, Stamp arrival, FrameReceiver& out) {
     ImuTelegram read;
     const Reject reason = parse_imu(telegram, read);
     if (reason != Reject::none) return reason;
@@ -209,7 +209,7 @@ class CompactDriver final : public DriverBase {
     return Reject::none;
   }
 
-  Reject handle_encoder(ByteView telegram, Stamp arrival, DriverOutput& out) {
+  Reject handle_encoder(ByteView telegram, Stamp arrival, FrameReceiver& out) {
     EncoderTelegram read;
     const Reject reason = parse_encoder(telegram, read);
     if (reason != Reject::none) return reason;
@@ -267,18 +267,18 @@ class CompactDriver final : public DriverBase {
   }
 
   /// Restarts the stream: the device was switched on, or its counters start again.
-  void begin_stream(DriverOutput& out) {
+  void begin_stream(FrameReceiver& out) {
     flush(out, true);
     frames_.restart();
     first_frame_ = true;
   }
 
-  void flush(DriverOutput& out, bool torn) {
+  void flush(FrameReceiver& out, bool torn) {
     while (frames_.release_oldest([&](std::size_t slot) { end_frame(slot, torn, out); })) {
     }
   }
 
-  void end_frame(std::size_t slot, bool torn, DriverOutput& out) {
+  void end_frame(std::size_t slot, bool torn, FrameReceiver& out) {
     const OpenFrames::Frame& frame = frames_.frame(slot);
     FrameEnd how;
     how.segments = frame.segments;

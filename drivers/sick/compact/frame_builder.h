@@ -252,7 +252,7 @@ class FrameBuilder {
   virtual void begin(std::size_t slot) = 0;
   virtual void add(std::size_t slot, const Segment& segment, std::uint32_t packet) = 0;
   /// Publishes the frame; false: it was too incomplete.
-  virtual bool end(std::size_t slot, const FrameEnd& how, DriverOutput& out) = 0;
+  virtual bool end(std::size_t slot, const FrameEnd& how, FrameReceiver& out) = 0;
   /// The stream starts again.
   virtual void restart() = 0;
 };

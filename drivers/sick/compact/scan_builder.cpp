@@ -72,7 +72,7 @@ class ScanBuilder final : public FrameBuilder {
                   "even angle, with an error of up to half a step");
   }
 
-  bool end(std::size_t slot, const FrameEnd& how, DriverOutput& out) override {
+  bool end(std::size_t slot, const FrameEnd& how, FrameReceiver& out) override {
     const RasterScan& raster = rasters_[slot];
     if (raster.is_empty()) return false;
     if (how.complete() && how.expected != window_segments_) learn_window(raster, how.expected);
@@ -146,7 +146,7 @@ class ScanBuilder final : public FrameBuilder {
     to.set_angles(static_cast<float>(grid_->angle(part.first)), static_cast<float>(grid_->step));
   }
 
-  void publish(const RasterScan& raster, BeamWindow all, DriverOutput& out) {
+  void publish(const RasterScan& raster, BeamWindow all, FrameReceiver& out) {
     const BeamWindow part = kept(all);
     copy(raster, part, echoes_, scan_);
     hide_unseen_edges(all, part);
@@ -172,7 +172,7 @@ class ScanBuilder final : public FrameBuilder {
   }
 
   /// Publishes the scan with only the beams that hit a reflector.
-  void publish_reflectors(const RasterScan& raster, BeamWindow kept, DriverOutput& out) {
+  void publish_reflectors(const RasterScan& raster, BeamWindow kept, FrameReceiver& out) {
     marked_.stamp = scan_.stamp;
     marked_.time_increment = scan_.time_increment;
     marked_.scan_time = scan_.scan_time;

@@ -99,7 +99,7 @@ class SopasDialogue final : public SideDialogue {
     imu_wanted_ = target_at(*requests_.host_address, config.model->telemetry_port);
   }
 
-  void receive(const Packet& packet, DriverOutput& out) override {
+  void receive(const Packet& packet, FrameReceiver& out) override {
     if (!is_talking()) return;
     now_ = packet.arrival;
     stream_.add(packet.payload);
@@ -129,7 +129,7 @@ class SopasDialogue final : public SideDialogue {
     steps_.clear();
   }
 
-  void script(DriverOutput& out) override {
+  void script(FrameReceiver& out) override {
     reenter(script_) {
       for (variable_ = 0; variable_ < variables.size(); ++variable_) {
         yield question("sRN " + std::string(variables[variable_]), {}, out);
@@ -146,7 +146,7 @@ class SopasDialogue final : public SideDialogue {
     }
   }
 
-  void silent(DriverOutput& out) override {
+  void silent(FrameReceiver& out) override {
     const bool reads = variable_ < variables.size();
     warn("the device accepts the connection but does not answer '" +
          (reads ? session_.command() : steps_.at(step_).what) +
@@ -158,14 +158,14 @@ class SopasDialogue final : public SideDialogue {
     warn("the device closes the connection before it answers; check that no other client is connected to it");
   }
 
-  void question(const std::string& command, const std::string& arguments, DriverOutput& out) {
+  void question(const std::string& command, const std::string& arguments, FrameReceiver& out) {
     ColaWriter writer = session_.ask(command);
     if (!arguments.empty()) writer.letters(arguments);
     ask(writer.finish(), out);
   }
 
   /// False if the dialogue cannot continue.
-  bool read_variable(std::string_view variable, DriverOutput& out) {
+  bool read_variable(std::string_view variable, FrameReceiver& out) {
     if (session_.refusal()) {
       if (variable_ >= needed) return true;
       fail("refuses to report " + std::string(variable) + ": " + cola_error_words(*session_.refusal()), out);
@@ -180,7 +180,7 @@ class SopasDialogue final : public SideDialogue {
   }
 
   /// Plans the steps after the comparison. False if the dialogue cannot continue.
-  bool plan(DriverOutput& out) {
+  bool plan(FrameReceiver& out) {
     if (!scan_target_ || !scan_format_ || !scan_enable_) {
       fail("sends an unknown answer; report its firmware version", out);
       return false;
@@ -246,7 +246,7 @@ class SopasDialogue final : public SideDialogue {
   }
 
   /// False if the dialogue cannot continue.
-  bool note_step(DriverOutput& out) {
+  bool note_step(FrameReceiver& out) {
     const Step& step = steps_.at(step_);
     if (session_.refusal()) {
       const std::string words = cola_error_words(*session_.refusal());
@@ -268,7 +268,7 @@ class SopasDialogue final : public SideDialogue {
 
   void warn(std::string sentence) { set_warnings({std::move(sentence)}); }
 
-  void fail(std::string why, DriverOutput& out) {
+  void fail(std::string why, FrameReceiver& out) {
     warn("the device " + std::move(why));
     hang_up(true, out);  // a refusal is final while the device sends data
   }

@@ -84,9 +84,9 @@ void put_le(std::vector<std::uint8_t>& out, std::size_t at, std::uint32_t value,
 
 }  // namespace
 
-std::optional<SafetyOutput> read_output(ByteView v) {
+std::optional<DataOutput> read_output(ByteView v) {
   if (!has_version(v, 26)) return std::nullopt;
-  SafetyOutput output;
+  DataOutput output;
   output.enabled = v.u8(4) != 0;
   output.interface = v.u8(5);
   // Little endian: the last number of the address comes first (SICK 8022708 p. 40).
@@ -99,7 +99,7 @@ std::optional<SafetyOutput> read_output(ByteView v) {
   return output;
 }
 
-std::vector<std::uint8_t> encode_output(const SafetyOutput& o, std::uint8_t channel) {
+std::vector<std::uint8_t> encode_output(const DataOutput& o, std::uint8_t channel) {
   std::vector<std::uint8_t> out(28, 0);
   out[0] = channel;
   out[4] = o.enabled ? 1 : 0;
@@ -114,11 +114,11 @@ std::vector<std::uint8_t> encode_output(const SafetyOutput& o, std::uint8_t chan
   return out;
 }
 
-std::string describe(const SafetyOutput& o) {
+std::string describe(const DataOutput& o) {
   if (!o.enabled) return "off";
   std::string text = Endpoint{o.host, o.port}.to_string();
   text += o.every == 1 ? ", every scan" : ", 1 of " + std::to_string(o.every) + " scans";
-  constexpr auto needed = SafetyOutput::needed_features;
+  constexpr auto needed = DataOutput::needed_features;
   if ((o.features & needed) != needed) text += ", without derived values or measurement data";
   return text;
 }

@@ -59,7 +59,7 @@ constexpr std::uint16_t change_output = 176;  ///< a method
 }  // namespace safety_index
 
 /// Settings of a scanner's data output.
-struct SafetyOutput {
+struct DataOutput {
   bool enabled = false;
   std::uint8_t interface = 0;  ///< 0 EFI-pro, 1 EtherNet/IP, 3 PROFINET, 4 non-safe Ethernet
   IpAddress host;
@@ -73,11 +73,11 @@ struct SafetyOutput {
 };
 
 /// Reads the current configuration of a data output; empty if it is too short or of another version.
-std::optional<SafetyOutput> read_output(ByteView variable);
+std::optional<DataOutput> read_output(ByteView variable);
 /// The argument of the method that changes a data output, 28 bytes.
-std::vector<std::uint8_t> encode_output(const SafetyOutput& output, std::uint8_t channel);
+std::vector<std::uint8_t> encode_output(const DataOutput& output, std::uint8_t channel);
 /// "192.168.0.1:6060, every scan".
-std::string describe(const SafetyOutput& output);
+std::string describe(const DataOutput& output);
 
 /// A text variable: length of two bytes, then characters. Unprintable ones become '?'.
 std::string read_text(ByteView variable);

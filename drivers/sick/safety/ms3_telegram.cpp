@@ -200,8 +200,8 @@ Reject read_ms3_datagram(ByteView payload, Ms3Datagram& datagram) {
 
 std::uint32_t serial_in(ByteView payload) {
   Ms3Datagram first;
-  const bool has = read_ms3_datagram(payload, first) == Reject::none && first.offset == 0 &&
-                   first.data.has(at_serial, 4);
+  const bool has =
+      read_ms3_datagram(payload, first) == Reject::none && first.offset == 0 && first.data.has(at_serial, 4);
   return has ? first.data.le32(at_serial) : 0;
 }
 

@@ -54,7 +54,7 @@ class SafetyDialogue final : public SideDialogue {
         product_(config.model->product),
         range_max_(config.model->range_max) {}
 
-  void receive(const Packet& packet, DriverOutput& out) override {
+  void receive(const Packet& packet, FrameReceiver& out) override {
     if (!is_talking()) return;
     now_ = packet.arrival;
     stream_.add(packet.payload);
@@ -72,7 +72,7 @@ class SafetyDialogue final : public SideDialogue {
     session_ = 0;
   }
 
-  void script(DriverOutput& out) override {
+  void script(FrameReceiver& out) override {
     reenter(script_) {
       yield open(out);
       if (!answer_.is('O', 'A'))
@@ -97,12 +97,12 @@ class SafetyDialogue final : public SideDialogue {
     }
   }
 
-  void silent(DriverOutput& out) override { fail("does not answer on its TCP port", out); }
+  void silent(FrameReceiver& out) override { fail("does not answer on its TCP port", out); }
   void cut_off() override {
     warn("the scanner closes the connection before it answers; is another program connected?");
   }
 
-  void ask_in_mode(char type, char mode, ByteView data, DriverOutput& out) {
+  void ask_in_mode(char type, char mode, ByteView data, FrameReceiver& out) {
     Cola2Telegram telegram;
     telegram.session = session_;
     telegram.request = ++request_;
@@ -112,22 +112,22 @@ class SafetyDialogue final : public SideDialogue {
     ask(encode_cola2(telegram), out);
   }
 
-  void open(DriverOutput& out) {
+  void open(FrameReceiver& out) {
     // Time-out and the client's identity, which appears only in the scanner's log.
     const std::array<std::uint8_t, 5> open = {session_timeout_s, 'l', 'd', 'r', 'd'};
     ask_in_mode('O', 'X', ByteView(open.data(), open.size()), out);
   }
 
-  void read(std::uint16_t index, DriverOutput& out) { ask_index('R', index, {}, out); }
+  void read(std::uint16_t index, FrameReceiver& out) { ask_index('R', index, {}, out); }
 
-  void ask_index(char type, std::uint16_t index, ByteView arguments, DriverOutput& out) {
+  void ask_index(char type, std::uint16_t index, ByteView arguments, FrameReceiver& out) {
     const auto prefix = le16(index);
     std::vector<std::uint8_t> data(prefix.begin(), prefix.end());
     data.insert(data.end(), arguments.begin(), arguments.end());
     ask_in_mode(type, 'I', ByteView(data.data(), data.size()), out);
   }
 
-  void change_output(DriverOutput& out) {
+  void change_output(FrameReceiver& out) {
     const auto argument = encode_output(target_, channel);
     ask_index('M', idx::change_output, ByteView(argument.data(), argument.size()), out);
   }
@@ -181,7 +181,7 @@ class SafetyDialogue final : public SideDialogue {
     return requests_.allow_write;
   }
 
-  bool was_changed(DriverOutput& out) {
+  bool was_changed(FrameReceiver& out) {
     const std::string refusal =
         value_.empty() ? std::string("the command was refused without a reason; is it allowed for this user?")
                        : refusal_text(value_.u8(0));
@@ -202,7 +202,7 @@ class SafetyDialogue final : public SideDialogue {
            "; another program may have changed it");
   }
 
-  void fail(const std::string& why, DriverOutput& out) {
+  void fail(const std::string& why, FrameReceiver& out) {
     warn("the scanner " + why + "; its settings were not " + (requests_.allow_write ? "written" : "read"));
     hang_up(false, out);
   }
@@ -213,14 +213,14 @@ class SafetyDialogue final : public SideDialogue {
     set_warnings(std::move(known));
   }
 
-  SafetyOutput wanted_output(const SafetyOutput& present) const {
-    SafetyOutput target = present;
+  DataOutput wanted_output(const DataOutput& present) const {
+    DataOutput target = present;
     if (requests_.skip) target.every = static_cast<std::uint16_t>(*requests_.skip + 1);
     if (!requests_.host_address) return target;
     target.enabled = true;
     target.host = *requests_.host_address;
     target.port = requests_.host_port;
-    target.features |= SafetyOutput::needed_features;
+    target.features |= DataOutput::needed_features;
     if (target.every == 0) target.every = 1;
     if (!present.enabled) target.interface = interface_of(type_code_).value_or(present.interface);
     return target;
@@ -237,7 +237,7 @@ class SafetyDialogue final : public SideDialogue {
   std::size_t variable_ = 0;
   std::string type_code_;
   bool has_output_ = false;  // present_ was read
-  SafetyOutput present_, target_;
+  DataOutput present_, target_;
 };
 
 }  // namespace

@@ -48,7 +48,7 @@ class SafetyDriver final : public DriverBase {
     prepare_scan(config, scan_);
   }
 
-  Verdict receive(const Packet& packet, DriverOutput& out) override {
+  Verdict receive(const Packet& packet, FrameReceiver& out) override {
     if (packet.transport == Transport::tcp) {
       ++counters_.other_packets;
       dialogue_->receive(packet, out);
@@ -65,10 +65,10 @@ class SafetyDriver final : public DriverBase {
     return {true, reason, device_named("scanner ", serial_in(packet.payload))};
   }
 
-  void connected(Stamp now, DriverOutput& out) override { dialogue_->connected(now, out); }
+  void connected(Stamp now, FrameReceiver& out) override { dialogue_->connected(now, out); }
   void disconnected() override { dialogue_->disconnected(); }
 
-  void tick(Stamp now, DriverOutput& out) override {
+  void tick(Stamp now, FrameReceiver& out) override {
     reassembler_.expire(now);
     dialogue_->tick(now, last_datagram_, out);
     describe_clock(clock_.clock(), 0, now);
@@ -76,7 +76,7 @@ class SafetyDriver final : public DriverBase {
   }
 
   const DeviceClock* clock() const override { return &clock_.clock(); }
-  void finish(DriverOutput&) override { reassembler_.give_up_all(); }
+  void finish(FrameReceiver&) override { reassembler_.give_up_all(); }
 
   void restart() override {
     reassembler_.clear();
@@ -87,7 +87,7 @@ class SafetyDriver final : public DriverBase {
   }
 
  private:
-  Reject handle(const Ms3Reassembler::Instance& instance, DriverOutput& out) {
+  Reject handle(const Ms3Reassembler::Instance& instance, FrameReceiver& out) {
     const Reject reason = parse_ms3_telegram(instance.bytes, telegram_);
     board_.update(Warning::version, reason == Reject::version, [&] {
       return "the scanner sends version " + std::to_string(telegram_.version_major) +
@@ -249,7 +249,7 @@ class SafetyDriver final : public DriverBase {
     });
   }
 
-  void publish(Stamp end, DriverOutput& out) {
+  void publish(Stamp end, FrameReceiver& out) {
     scan_.stamp = first_ray(end);
     topics_.publish_states(telegram_, scan_, out);
     if (scan_.beams == 0) {

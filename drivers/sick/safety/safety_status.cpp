@@ -144,7 +144,7 @@ std::uint32_t interrupted_paths(const Ms3Telegram& telegram, std::size_t beam) {
 
 }  // namespace
 
-void SafetyTopics::publish_states(const Ms3Telegram& telegram, const PlanarScan& scan, DriverOutput& out) {
+void SafetyTopics::publish_states(const Ms3Telegram& telegram, const PlanarScan& scan, FrameReceiver& out) {
   if (telegram.state) {
     begin(safety_topic::system_state, scan);
     publish_state(*telegram.state, out);
@@ -156,7 +156,7 @@ void SafetyTopics::publish_states(const Ms3Telegram& telegram, const PlanarScan&
 }
 
 void SafetyTopics::publish_beams(const Ms3Telegram& telegram, const PlanarScan& scan,
-                                 const BeamWindow& window, DriverOutput& out) {
+                                 const BeamWindow& window, FrameReceiver& out) {
   publish_intrusion(telegram, scan, window, out);
   publish_beam_status(scan, out);
 }
@@ -168,7 +168,7 @@ void SafetyTopics::begin(std::string_view topic, const PlanarScan& scan) {
   state_->values.clear();
 }
 
-void SafetyTopics::publish_state(const Ms3State& s, DriverOutput& out) {
+void SafetyTopics::publish_state(const Ms3State& s, FrameReceiver& out) {
   add("run_mode_active", s.run_mode);
   add("standby_mode_active", s.standby);
   add("contamination_warning", s.contamination_warning);
@@ -184,7 +184,7 @@ void SafetyTopics::publish_state(const Ms3State& s, DriverOutput& out) {
   out.message(state_);
 }
 
-void SafetyTopics::publish_paths(const Ms3Application& a, DriverOutput& out) {
+void SafetyTopics::publish_paths(const Ms3Application& a, FrameReceiver& out) {
   const PathNames& names = path_names();
   add("active_monitoring_case", a.cases[0]);
   for (std::size_t i = 0; i < evaluation_paths; ++i) {
@@ -196,7 +196,7 @@ void SafetyTopics::publish_paths(const Ms3Application& a, DriverOutput& out) {
 }
 
 void SafetyTopics::publish_intrusion(const Ms3Telegram& telegram, const PlanarScan& scan,
-                                     const BeamWindow& window, DriverOutput& out) {
+                                     const BeamWindow& window, FrameReceiver& out) {
   bool any_path = false;
   for (const ByteView path : telegram.intrusion) any_path = any_path || !path.empty();
   if (!any_path) return;
@@ -213,7 +213,7 @@ void SafetyTopics::publish_intrusion(const Ms3Telegram& telegram, const PlanarSc
   out.extra_scan(safety_topic::intrusion, intrusion_);
 }
 
-void SafetyTopics::publish_beam_status(const PlanarScan& scan, DriverOutput& out) {
+void SafetyTopics::publish_beam_status(const PlanarScan& scan, FrameReceiver& out) {
   if (scan.flags.empty()) return;
   beam_status_ = scan;
   beam_status_.intensities.assign(scan.flags.begin(), scan.flags.end());

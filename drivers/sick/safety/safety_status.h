@@ -46,19 +46,19 @@ constexpr std::string_view intrusion = "intrusion";
 class SafetyTopics {
  public:
   /// The general system state and the output paths (application data), which come in standby too.
-  void publish_states(const Ms3Telegram& telegram, const PlanarScan& scan, DriverOutput& out);
+  void publish_states(const Ms3Telegram& telegram, const PlanarScan& scan, FrameReceiver& out);
   /// Interrupted beams and the flags of each beam. `scan` is the one of this telegram; its beam 0 is the
   /// telegram's beam `window.first`.
   void publish_beams(const Ms3Telegram& telegram, const PlanarScan& scan, const BeamWindow& window,
-                     DriverOutput& out);
+                     FrameReceiver& out);
 
  private:
-  void publish_state(const Ms3State& state, DriverOutput& out);
-  void publish_paths(const Ms3Application& application, DriverOutput& out);
+  void publish_state(const Ms3State& state, FrameReceiver& out);
+  void publish_paths(const Ms3Application& application, FrameReceiver& out);
   void publish_intrusion(const Ms3Telegram& telegram, const PlanarScan& scan, const BeamWindow& window,
-                         DriverOutput& out);
+                         FrameReceiver& out);
   /// The scan again, with its flags as intensities.
-  void publish_beam_status(const PlanarScan& scan, DriverOutput& out);
+  void publish_beam_status(const PlanarScan& scan, FrameReceiver& out);
   void begin(std::string_view topic, const PlanarScan& scan);
   void add(std::string_view name, double value) { state_->values.push_back({name, value}); }
 

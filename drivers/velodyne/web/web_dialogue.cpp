@@ -30,7 +30,7 @@ WebDialogue::WebDialogue(const VelodyneControl& control, const WebTiming& timing
 
 /// The dialogue. It continues after a `yield` when the request was answered or has failed, or when the pause
 /// is over.
-void WebDialogue::script(DriverOutput& out) {
+void WebDialogue::script(FrameReceiver& out) {
   reenter(script_) {
     for (;;) {
       yield request("/cgi/snapshot.hdl");
@@ -56,7 +56,7 @@ void WebDialogue::request(const std::string& path, const std::string& form) {
   phase_ = Phase::waiting;
 }
 
-void WebDialogue::tick(Stamp now, DriverOutput& out) {
+void WebDialogue::tick(Stamp now, FrameReceiver& out) {
   now_ = now;
   switch (phase_) {
     case Phase::pausing:
@@ -79,7 +79,7 @@ void WebDialogue::tick(Stamp now, DriverOutput& out) {
   script(out);
 }
 
-void WebDialogue::dial(DriverOutput& out) {
+void WebDialogue::dial(FrameReceiver& out) {
   phase_ = Phase::dialling;
   patience_.start(now_, timing_.limit);
   answer_ = {};
@@ -88,7 +88,7 @@ void WebDialogue::dial(DriverOutput& out) {
   out.connect();
 }
 
-void WebDialogue::connected(Stamp now, DriverOutput& out) {
+void WebDialogue::connected(Stamp now, FrameReceiver& out) {
   now_ = now;
   if (phase_ != Phase::dialling) return out.disconnect(false);
   phase_ = Phase::talking;
@@ -102,7 +102,7 @@ void WebDialogue::disconnected() {
   if (phase_ == Phase::talking || phase_ == Phase::dialling) phase_ = Phase::answered;
 }
 
-void WebDialogue::receive(const Packet& packet, DriverOutput& out) {
+void WebDialogue::receive(const Packet& packet, FrameReceiver& out) {
   if (phase_ != Phase::talking) return;
   state_.local_address = packet.to.address.to_string();
   const std::size_t room = most_received - received_.size();
@@ -157,7 +157,7 @@ void WebDialogue::finish_reading() {
   }
 }
 
-void WebDialogue::finish_write(DriverOutput& out) {
+void WebDialogue::finish_write(FrameReceiver& out) {
   const VelodyneChange& change = changes_[change_];
   ++attempts_[change.path + change.body];
   if (answer_.status >= 200 && answer_.status <= 206)

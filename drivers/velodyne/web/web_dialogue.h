@@ -61,25 +61,25 @@ class WebDialogue {
  public:
   explicit WebDialogue(const VelodyneControl& control, const WebTiming& timing = {});
 
-  void connected(Stamp now, DriverOutput& out);
+  void connected(Stamp now, FrameReceiver& out);
   /// The connection ended or was refused.
   void disconnected();
   /// Bytes from the sensor.
-  void receive(const Packet& packet, DriverOutput& out);
-  void tick(Stamp now, DriverOutput& out);
+  void receive(const Packet& packet, FrameReceiver& out);
+  void tick(Stamp now, FrameReceiver& out);
 
   const WebState& state() const { return state_; }
 
  private:
   enum class Phase : std::uint8_t { pausing, waiting, dialling, talking, answered };
 
-  void script(DriverOutput& out);
+  void script(FrameReceiver& out);
   void request(const std::string& path, const std::string& form = {});
-  void dial(DriverOutput& out);
+  void dial(FrameReceiver& out);
   void pause(Span time) { phase_ = Phase::pausing, patience_.start(now_, time); }
   bool parse_answer(const std::string& path, const std::string& prefix);
   void finish_reading();
-  void finish_write(DriverOutput& out);
+  void finish_write(FrameReceiver& out);
 
   const VelodyneControl control_;
   const WebTiming timing_;

@@ -135,8 +135,8 @@ TEST(PlacedScanMotion, ReturnsOfATurnedMountAreWhereTheyWereMeasuredAsSeenFromNo
       const double to = sweep.length(i);
       const double height = sweep.mount.translation().z() + to * sweep.ray(i).z();
       if (std::abs(height - sweep.band.min) < 1e-4 || std::abs(height - sweep.band.max) < 1e-4) continue;
-      const bool counts = sweep.scan.statuses[i] == BeamStatus::hit && height >= sweep.band.min &&
-                          height <= sweep.band.max;
+      const bool counts =
+          sweep.scan.statuses[i] == BeamStatus::hit && height >= sweep.band.min && height <= sweep.band.max;
       ASSERT_EQ(sweep.placed.kind[i] == Return::surface, counts) << seed << ' ' << i;
       if (!counts) continue;
       const Eigen::Vector3d at = sweep.place_of(i, to);

@@ -162,7 +162,8 @@ TEST(MountCheck, IsSilentWhereTheOtherScannerLooksOverHalfOfTheThings) {
       for (FlatWorld* world : {&low, &high})
         if (walled) world->add_box({0, 0}, {15, 11}, 0.2);
       for (int i = 0; i < 20; ++i) {
-        const Eigen::Vector2d at(between(-14, 14), between(-10, 10)), half(between(0.2, 1.5), between(0.2, 1.5));
+        const Eigen::Vector2d at(between(-14, 14), between(-10, 10)),
+            half(between(0.2, 1.5), between(0.2, 1.5));
         const double yaw = between(0, 3);
         if (at.norm() < 4) continue;
         low.add_box(at, half, yaw);

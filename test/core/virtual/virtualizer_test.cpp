@@ -87,7 +87,8 @@ TEST(Virtualizer, InATiltedPlaneTheWayIsFreeWhereverTheRingsReach) {
   yard.ground = false;
   for (int side = 0; side < 24; ++side) {
     const double a = side * 15 * degree, b = a + 15 * degree;
-    yard.objects.push_back(wall(12 * std::cos(a), 12 * std::sin(a), 12 * std::cos(b), 12 * std::sin(b), 9, -9));
+    yard.objects.push_back(
+        wall(12 * std::cos(a), 12 * std::sin(a), 12 * std::cos(b), 12 * std::sin(b), 9, -9));
   }
   sim::YardLidar lidar = lidar16();
   lidar.elevations = sim::even_rings(32, -25, 25);
@@ -139,7 +140,7 @@ TEST(Virtualizer, TheWayIsFreeFromTheLowestBeamsCrossingOn) {
 TEST(Virtualizer, NoDirectionIsFreeNearerThanTheLowestBeamCrossesThePlane) {
   const double blind = (lidar_height - plane_height) / std::tan(15 * degree);
   sim::Yard yard;
-  yard.objects = {wall(20, -20, 20, 20),       wall(20, 20, -20, 20), wall(-20, 20, -20, -20),
+  yard.objects = {wall(20, -20, 20, 20),       wall(20, 20, -20, 20),         wall(-20, 20, -20, -20),
                   wall(-20, -20, 20, -20),     box({9, 2, 1}, {0.3, 0.3, 2}), box({-7, 1, 1}, {2, 0.1, 2}),
                   box({1, -8, 1}, {0.1, 2, 2})};
   for (const Eigen::Vector2d& at : {Eigen::Vector2d(0, 0), {0.8, -0.5}, {-2, 1}, {2.5, 2.5}}) {
@@ -154,7 +155,8 @@ TEST(Virtualizer, NoDirectionIsFreeNearerThanTheLowestBeamCrossesThePlane) {
       const double angle = cut.grid.angle(beam) + 0.3;
       const double along = -at.dot(Eigen::Vector2d(std::cos(angle), std::sin(angle)));
       const double end = along + std::sqrt(along * along - at.squaredNorm() + blind * blind);
-      EXPECT_NEAR(static_cast<double>(cut.strict.free_from[beam]), end, 0.25) << at.transpose() << ", " << beam;
+      EXPECT_NEAR(static_cast<double>(cut.strict.free_from[beam]), end, 0.25)
+          << at.transpose() << ", " << beam;
     }
     EXPECT_GT(hits, 600U) << at.transpose();
   }

@@ -23,7 +23,7 @@ std::atomic<int> taken{0};
 /// Takes 10 ms for each packet, as where a machine is overloaded.
 class SlowDriver final : public Driver {
  public:
-  Verdict receive(const Packet&, DriverOutput&) override {
+  Verdict receive(const Packet&, FrameReceiver&) override {
     ++counters_.packets;
     std::this_thread::sleep_for(10ms);
     ++taken;

@@ -56,7 +56,8 @@ std::vector<CloudPoint> points_of(const Cloud& cloud) {
 
 TEST(SensorFilter, LeavesWhatVirtualScansSeeAsItIs) {
   const test::RecordingSink all = play("");
-  const test::RecordingSink some = play(", filter: {box: [[1, -900, -900], [900, 900, 900]], voxel_size: 0.2}");
+  const test::RecordingSink some =
+      play(", filter: {box: [[1, -900, -900], [900, 900, 900]], voxel_size: 0.2}");
   ASSERT_GT(all.scans.at("v").size(), 5U);
   ASSERT_EQ(some.scans.at("v").size(), all.scans.at("v").size());
   for (std::size_t i = 0; i < all.scans.at("v").size(); ++i) {
@@ -108,7 +109,8 @@ TEST(SensorFilter, OutliersAreReturnsWithTooFewOthersAroundThem) {
 
 TEST(SensorFilter, AnOrganisedCloudKeepsItsPlaces) {
   const test::RecordingSink all = play(", organize_cloud: rings");
-  const test::RecordingSink some = play(", organize_cloud: rings, filter: {cut_out: [[-900, 0, -900], [900, 900, 900]]}");
+  const test::RecordingSink some =
+      play(", organize_cloud: rings, filter: {cut_out: [[-900, 0, -900], [900, 900, 900]]}");
   const Cloud& before = all.clouds.at("roof/points").at(1);
   const Cloud& after = some.clouds.at("roof/points").at(1);
   ASSERT_EQ(after.size(), before.size());
@@ -143,10 +145,12 @@ TEST(SensorFilter, RefusesWhatMakesNoSense) {
   };
   const std::string roof = "velodyne_vlp16", front = "sick_microscan3";
   const std::string high = "filter: {box: [[-9, -9, 0.1], [9, 9, 2]]}";
-  EXPECT_THAT(with(front, high), HasSubstr("sensors.a.filter.box leaves out the whole scan, which lies at z 0"));
+  EXPECT_THAT(with(front, high),
+              HasSubstr("sensors.a.filter.box leaves out the whole scan, which lies at z 0"));
   EXPECT_THAT(with(roof, "scan_ring: auto, " + high), HasSubstr("filter.box leaves out the whole scan"));
   EXPECT_EQ(with(roof, high), "no error");
-  EXPECT_THAT(with(roof, "filter: {cut_out: [[1, 2, 3], [4, 2, 6]]}"), HasSubstr("filter.cut_out has no volume"));
+  EXPECT_THAT(with(roof, "filter: {cut_out: [[1, 2, 3], [4, 2, 6]]}"),
+              HasSubstr("filter.cut_out has no volume"));
   EXPECT_THAT(with(roof, "filter: {box: [[1, 2, 3]]}"), HasSubstr("filter.box has 1 corners"));
   EXPECT_THAT(with(roof, "filter: {box: {x_min: 1}}"), HasSubstr("expected two opposite corners"));
   EXPECT_THAT(with(roof, "filter: {outlier_neighbours: 2}"),
@@ -158,8 +162,9 @@ TEST(SensorFilter, RefusesWhatMakesNoSense) {
               HasSubstr("sensors.a.filter.intensity_min has nothing to go by: publish_intensity is false"));
   EXPECT_THAT(error_of("sensors: {a: {topic: /scan, filter: {intensity_min: 1}}}"),
               HasSubstr("sensors.a.filter does not apply to a source with topic:"));
-  EXPECT_EQ(with(front, "filter: {intensity_min: 1, cut_out: [[0.1, 1, 1], [-1, -1, -1]], outlier_radius: 0.2}"),
-            "no error");
+  EXPECT_EQ(
+      with(front, "filter: {intensity_min: 1, cut_out: [[0.1, 1, 1], [-1, -1, -1]], outlier_radius: 0.2}"),
+      "no error");
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ namespace lidard::test {
 class LineDriver final : public Driver {
  public:
   explicit LineDriver(const DriverConfig& config) : config_(config) {}
-  Verdict receive(const Packet& packet, DriverOutput& out) override {
+  Verdict receive(const Packet& packet, FrameReceiver& out) override {
     ++counters_.packets;
     if (packet.stream_start) text_.clear();
     if (packet.transport == Transport::udp) {
@@ -28,7 +28,7 @@ class LineDriver final : public Driver {
       line(text_.substr(0, end), out);
     return {true, Reject::none};
   }
-  void connected(Stamp, DriverOutput& out) override {
+  void connected(Stamp, FrameReceiver& out) override {
     ++dialogues;
     out.request(ByteView("hello\n"));
   }
@@ -44,7 +44,7 @@ class LineDriver final : public Driver {
   int dialogues = 0, ends = 0;
 
  private:
-  void line(const std::string& text, DriverOutput& out) {
+  void line(const std::string& text, FrameReceiver& out) {
     lines.push_back(text);
     if (text == "refused") out.disconnect(true);
     if (text == "done") out.disconnect(false);

@@ -19,7 +19,7 @@ using test::round_scan;
 using testing::HasSubstr;
 using testing::MatchesRegex;
 
-TEST(MergedOutput, InstantIsTheNewestRayThatHasAPoseButNoneBeforeTheFirstRays) {
+TEST(MergedScanMaker, InstantIsTheNewestRayThatHasAPoseButNoneBeforeTheFirstRays) {
   // The sweeps last from 920 and 927 to 1000 and 1007.
   const struct {
     double newest_pose, instant;
@@ -35,7 +35,7 @@ TEST(MergedOutput, InstantIsTheNewestRayThatHasAPoseButNoneBeforeTheFirstRays) {
   }
 }
 
-TEST(MergedOutput, OfPolicyRateIsOfTheInstantItIsMadeAtWhereAPoseIsKnown) {
+TEST(MergedScanMaker, OfPolicyRateIsOfTheInstantItIsMadeAtWhereAPoseIsKnown) {
   PipelineBench bench(two_sources("rate: 10", "odometry_topic: /odom"));
   sweep(bench, "a", ms(900));
   sweep(bench, "b", ms(900));
@@ -51,7 +51,7 @@ TEST(MergedOutput, OfPolicyRateIsOfTheInstantItIsMadeAtWhereAPoseIsKnown) {
   expect_near(bench.sink.scans["m"].back().stamp, bench_begin + ms(1000));
 }
 
-TEST(MergedOutput, WaitsForPosesUntilItsDeadlineAndThenGoesOnWithoutThem) {
+TEST(MergedScanMaker, WaitsForPosesUntilItsDeadlineAndThenGoesOnWithoutThem) {
   PipelineBench bench(two_sources("on_missing_motion: wait, deadline: 0.05", "odometry_topic: /odom"));
   poses_until(bench, ms(850), bench_begin + ms(850));
   sweep(bench, "a", ms(1000));
@@ -78,7 +78,7 @@ TEST(MergedOutput, WaitsForPosesUntilItsDeadlineAndThenGoesOnWithoutThem) {
   EXPECT_THAT(bench.value("merged m", "Motion", bench_begin + ms(1120)), testing::StartsWith("deskewed"));
 }
 
-TEST(MergedOutput, AClockThatIsSetBackDoesNotProlongTheWaitForPoses) {
+TEST(MergedScanMaker, AClockThatIsSetBackDoesNotProlongTheWaitForPoses) {
   PipelineBench bench(two_sources("on_missing_motion: wait, deadline: 0.05", "odometry_topic: /odom"));
   sweep(bench, "a", ms(1000));
   sweep(bench, "b", ms(1000));
@@ -87,7 +87,7 @@ TEST(MergedOutput, AClockThatIsSetBackDoesNotProlongTheWaitForPoses) {
   EXPECT_EQ(bench.sink.count("m"), 1U) << "no longer than until the clock is seen to be set back";
 }
 
-TEST(MergedOutput, StampsOfOneSourceThatJumpLeaveNoEventInThePast) {
+TEST(MergedScanMaker, StampsOfOneSourceThatJumpLeaveNoEventInThePast) {
   for (const double jump_s : {-100.0, -2.0, 2.0, 100.0}) {
     for (const char* keys : {"on_missing_motion: static", "on_missing_motion: wait, deadline: 0.05",
                              "on_missing_motion: drop", "on_missing_motion: wait, rate: 10"}) {
@@ -107,7 +107,7 @@ TEST(MergedOutput, StampsOfOneSourceThatJumpLeaveNoEventInThePast) {
   }
 }
 
-TEST(MergedOutput, PosesInAnotherFrameAfterAReloadDoNotContinueThoseBefore) {
+TEST(MergedScanMaker, PosesInAnotherFrameAfterAReloadDoNotContinueThoseBefore) {
   PipelineBench bench(two_sources("", "odometry_topic: /odom"));
   poses_until(bench, ms(1100), bench_begin + ms(990));
   bench.pipeline.configure(parse_config(two_sources("", "odometry_topic: /map_pose"), "bench"));
@@ -116,7 +116,7 @@ TEST(MergedOutput, PosesInAnotherFrameAfterAReloadDoNotContinueThoseBefore) {
   EXPECT_EQ(bench.value("merged m", "Motion", bench_begin + ms(1000)), "no poses yet");
 }
 
-TEST(MergedOutput, PatienceForPosesBeginsAnewWithEachOutput) {
+TEST(MergedScanMaker, PatienceForPosesBeginsAnewWithEachOutput) {
   PipelineBench bench(two_sources("on_missing_motion: wait, deadline: 0.05", "odometry_topic: /odom"));
   for (const double at : {1000.0, 1100.0, 1200.0}) {
     const std::size_t before = bench.sink.count("m");
@@ -129,7 +129,7 @@ TEST(MergedOutput, PatienceForPosesBeginsAnewWithEachOutput) {
   }
 }
 
-TEST(MergedOutput, CountsOutputsThatAreLeftOutForWantOfPoses) {
+TEST(MergedScanMaker, CountsOutputsThatAreLeftOutForWantOfPoses) {
   PipelineBench bench(two_sources("on_missing_motion: drop", "odometry_topic: /odom"));
   for (double at = 100; at <= 500; at += 100) {
     sweep(bench, "a", ms(at));

@@ -21,7 +21,7 @@ using test::round_scan;
 using testing::HasSubstr;
 using testing::MatchesRegex;
 
-TEST(MergedOutput, AgeOfASourceCountsFromItsLastRay) {
+TEST(MergedScanMaker, AgeOfASourceCountsFromItsLastRay) {
   PipelineBench bench(two_sources("deadline: 0.01"));
   for (double at = 100; at <= 1000; at += 100) {
     sweep(bench, "a", ms(at));
@@ -35,7 +35,7 @@ TEST(MergedOutput, AgeOfASourceCountsFromItsLastRay) {
   EXPECT_EQ(bench.sink.released["m"].back(), bench_begin + ms(1007));
 }
 
-TEST(MergedOutput, CountsReturnsWhereFreeSpaceIsComputed) {
+TEST(MergedScanMaker, CountsReturnsWhereFreeSpaceIsComputed) {
   for (const char* profile : {"flatten", "strict"}) {
     const PipelineBench bench(two_sources(std::string("profile: ") + profile));
     const bool flat = profile == std::string("flatten");
@@ -44,7 +44,7 @@ TEST(MergedOutput, CountsReturnsWhereFreeSpaceIsComputed) {
   }
 }
 
-TEST(MergedOutput, StampDoesNotDependOnTheOrderOfTheSources) {
+TEST(MergedScanMaker, StampDoesNotDependOnTheOrderOfTheSources) {
   for (const bool a_first : {false, true}) {
     PipelineBench bench(two_sources(""));
     sweep(bench, a_first ? "a" : "b", ms(100));
@@ -54,7 +54,7 @@ TEST(MergedOutput, StampDoesNotDependOnTheOrderOfTheSources) {
   }
 }
 
-TEST(MergedOutput, AgeOfStampsOfAnotherClockCountsFromTheArrival) {
+TEST(MergedScanMaker, AgeOfStampsOfAnotherClockCountsFromTheArrival) {
   PipelineBench bench(two_sources("deadline: 0.01"));
   const Span simulated = std::chrono::hours(200'000);
   bench.pipeline.set_message_clock(-simulated);
@@ -68,7 +68,7 @@ TEST(MergedOutput, AgeOfStampsOfAnotherClockCountsFromTheArrival) {
   EXPECT_EQ(bench.sink.count("m"), 10U);
 }
 
-TEST(MergedOutput, StatusTopicNeverSaysMoreThanRangeMax) {
+TEST(MergedScanMaker, StatusTopicNeverSaysMoreThanRangeMax) {
   PipelineBench bench(two_sources("profile: strict, status_topic: known"));
   sweep(bench, "a", ms(100), 28);
   sweep(bench, "b", ms(100), 28);
@@ -87,7 +87,7 @@ OutputScanConfig changed(const PipelineBench& bench, std::size_t beams) {
   return wanted;
 }
 
-TEST(MergedOutput, AfterAChangeWaitsForEverySourceThatIsWell) {
+TEST(MergedScanMaker, AfterAChangeWaitsForEverySourceThatIsWell) {
   PipelineBench bench(two_sources(""));
   for (double at = 100; at <= 500; at += 100) {
     sweep(bench, "a", ms(at));
@@ -106,7 +106,7 @@ TEST(MergedOutput, AfterAChangeWaitsForEverySourceThatIsWell) {
   EXPECT_EQ(bench.value("merged m", "Source b", now), "ok, 10.0 Hz, age 2 ms") << "and what is known of it";
 }
 
-TEST(MergedOutput, AfterAChangeDoesNotWaitForASourceThatIsLost) {
+TEST(MergedScanMaker, AfterAChangeDoesNotWaitForASourceThatIsLost) {
   PipelineBench bench(two_sources(""));
   sweep(bench, "a", ms(100));
   sweep(bench, "b", ms(100));
@@ -118,7 +118,7 @@ TEST(MergedOutput, AfterAChangeDoesNotWaitForASourceThatIsLost) {
   EXPECT_EQ(bench.sink.count("m"), before + 1);
 }
 
-TEST(MergedOutput, StampsDoNotGoBackOverAChange) {
+TEST(MergedScanMaker, StampsDoNotGoBackOverAChange) {
   PipelineBench bench(two_sources(""));
   sweep(bench, "a", ms(500));
   sweep(bench, "b", ms(500));
@@ -134,7 +134,7 @@ TEST(MergedOutput, StampsDoNotGoBackOverAChange) {
   EXPECT_GT(bench.sink.scans["m"].back().stamp, before);
 }
 
-TEST(MergedOutput, WhatShowsNoNewerInstantIsNotPublishedAgainButCounted) {
+TEST(MergedScanMaker, WhatShowsNoNewerInstantIsNotPublishedAgainButCounted) {
   PipelineBench bench(two_sources(""));
   for (double at = 100; at <= 1000; at += 100) {
     sweep(bench, "a", ms(at));
@@ -150,7 +150,7 @@ TEST(MergedOutput, WhatShowsNoNewerInstantIsNotPublishedAgainButCounted) {
   expect_near(bench.sink.scans["m"].back().stamp, bench_begin + ms(1255) - sweep_time);
 }
 
-TEST(MergedOutput, ARateBeyondThatOfTheSourcesRepeatsNothing) {
+TEST(MergedScanMaker, ARateBeyondThatOfTheSourcesRepeatsNothing) {
   PipelineBench bench(two_sources("rate: 40"));
   for (double at = 100; at <= 2000; at += 5) {
     if (std::fmod(at, 100) == 0) sweep(bench, "a", ms(at));
@@ -162,7 +162,7 @@ TEST(MergedOutput, ARateBeyondThatOfTheSourcesRepeatsNothing) {
   for (std::size_t i = 1; i < scans.size(); ++i) EXPECT_GE(scans[i].stamp - scans[i - 1].stamp, ms(49)) << i;
 }
 
-TEST(MergedOutput, StampsGoBackWithAnInputThatBeginsAgain) {
+TEST(MergedScanMaker, StampsGoBackWithAnInputThatBeginsAgain) {
   PipelineBench bench(two_sources(""));
   for (int loop = 0; loop < 3; ++loop) {
     for (const double at : {500.0, 600.0}) {
@@ -176,7 +176,7 @@ TEST(MergedOutput, StampsGoBackWithAnInputThatBeginsAgain) {
   EXPECT_EQ(bench.value("merged m", "Sweeps out of order", bench_begin + ms(600)), "0");
 }
 
-TEST(MergedOutput, NamesAStaleSourceAsAWarningAndALostOneAsAnError) {
+TEST(MergedScanMaker, NamesAStaleSourceAsAWarningAndALostOneAsAnError) {
   PipelineBench bench(two_sources(""));
   for (double at = 100; at <= 3000; at += 100) {
     sweep(bench, "a", ms(at));
@@ -205,7 +205,7 @@ TEST(MergedOutput, NamesAStaleSourceAsAWarningAndALostOneAsAnError) {
   EXPECT_EQ(test::value_of(stale, "Sources lost"), "");
 }
 
-TEST(MergedOutput, SaysWhichDeadlineWaitsForASourceWhoseSweepsComeLateEachTime) {
+TEST(MergedScanMaker, SaysWhichDeadlineWaitsForASourceWhoseSweepsComeLateEachTime) {
   PipelineBench bench(two_sources(""));
   for (double at = 100; at <= 3000; at += 100) {
     sweep(bench, "a", ms(at));
@@ -218,7 +218,7 @@ TEST(MergedOutput, SaysWhichDeadlineWaitsForASourceWhoseSweepsComeLateEachTime) 
             "publishing without b, whose sweeps are too old; a deadline of 0.10 waits for them");
 }
 
-TEST(MergedOutput, RaisesNoAlarmOfASourceThatIsStaleForMilliseconds) {
+TEST(MergedScanMaker, RaisesNoAlarmOfASourceThatIsStaleForMilliseconds) {
   // A busy machine: the sweeps of b come in 60 ms late now and then.
   PipelineBench bench(two_sources("lost_after: 5"));
   std::vector<std::pair<double, Health>> states;
@@ -251,7 +251,7 @@ TEST(MergedOutput, RaisesNoAlarmOfASourceThatIsStaleForMilliseconds) {
   EXPECT_GE(bench.value("merged m", "Sources waited for in vain", bench_begin + ms(12000)), "1");
 }
 
-TEST(MergedOutput, CountsWhatItWaitedForInVain) {
+TEST(MergedScanMaker, CountsWhatItWaitedForInVain) {
   PipelineBench bench(two_sources("lost_after: 5"));
   for (double at = 100; at <= 2000; at += 100) {
     sweep(bench, "a", ms(at));
@@ -262,7 +262,7 @@ TEST(MergedOutput, CountsWhatItWaitedForInVain) {
   EXPECT_GE(bench.sink.count("m"), 18U);
 }
 
-TEST(MergedOutput, CountsSweepsThatAreReplacedOutOfOrderOrOfImpossibleTimes) {
+TEST(MergedScanMaker, CountsSweepsThatAreReplacedOutOfOrderOrOfImpossibleTimes) {
   PipelineBench bench(two_sources(""));
   sweep(bench, "a", ms(100));
   sweep(bench, "a", ms(110));
@@ -277,7 +277,7 @@ TEST(MergedOutput, CountsSweepsThatAreReplacedOutOfOrderOrOfImpossibleTimes) {
   EXPECT_EQ(bench.value("merged m", "Sweeps with impossible times", now), "1");
 }
 
-TEST(MergedOutput, OwnBodyIsLeftOutWhereverTheOutputFrameStands) {
+TEST(MergedScanMaker, OwnBodyIsLeftOutWhereverTheOutputFrameStands) {
   // The body reaches from 1 to 2 m to the left of base_link; a scanner sees something there and, at the same
   // distance, on the other side.
   for (const double yaw : {0.0, 90.0, -135.0}) {
@@ -302,7 +302,7 @@ TEST(MergedOutput, OwnBodyIsLeftOutWhereverTheOutputFrameStands) {
   }
 }
 
-TEST(MergedOutput, FurtherScansHaveTheUsualEncodingsAndTheSameStamp) {
+TEST(MergedScanMaker, FurtherScansHaveTheUsualEncodingsAndTheSameStamp) {
   PipelineBench bench(
       two_sources("profile: strict, empty: zero, unobserved: minus_inf, cloud_destination_topic: cloud, "
                   "also: {safe: safety, flat: flatten}"));
@@ -325,7 +325,7 @@ TEST(MergedOutput, FurtherScansHaveTheUsualEncodingsAndTheSameStamp) {
   EXPECT_EQ(bench.sink.topics, (std::vector<std::string>{"m", "safe", "flat", "cloud"}));
 }
 
-TEST(MergedOutput, SaysWhyNothingCameForEachOfItsTopics) {
+TEST(MergedScanMaker, SaysWhyNothingCameForEachOfItsTopics) {
   PipelineBench bench(
       two_sources("cloud_destination_topic: cloud, status_topic: known, also: {safe: safety}"));
   for (const char* topic : {"m", "cloud", "known", "safe"})
@@ -340,7 +340,7 @@ TEST(MergedOutput, SaysWhyNothingCameForEachOfItsTopics) {
   EXPECT_EQ(why_missing(bench.pipeline, "m"), "");
 }
 
-TEST(MergedOutput, ThatGivesNothingSaysSoAfterThreeSeconds) {
+TEST(MergedScanMaker, ThatGivesNothingSaysSoAfterThreeSeconds) {
   PipelineBench bench(two_sources(""));
   for (double at = 100; at <= 2000; at += 100) {
     sweep(bench, "a", ms(at));
@@ -356,7 +356,7 @@ TEST(MergedOutput, ThatGivesNothingSaysSoAfterThreeSeconds) {
   EXPECT_EQ(item.message, "no output for more than 3 s: see the state of its sensors");
 }
 
-TEST(MergedOutput, ASlowRateIsNoErrorBetweenItsOutputs) {
+TEST(MergedScanMaker, ASlowRateIsNoErrorBetweenItsOutputs) {
   PipelineBench bench(two_sources("policy: rate, rate: 0.1"));
   for (double at = 100; at <= 9000; at += 100) {
     sweep(bench, "a", ms(at));
@@ -369,7 +369,7 @@ TEST(MergedOutput, ASlowRateIsNoErrorBetweenItsOutputs) {
             "no output for more than 15 s: see the state of its sensors");
 }
 
-TEST(MergedOutput, ASweepWithoutAPlaceIsCountedAndItsSourceNamed) {
+TEST(MergedScanMaker, ASweepWithoutAPlaceIsCountedAndItsSourceNamed) {
   PipelineBench bench(
       "sensors: {a: {topic: /a}, b: {topic: /b, pose: {xyz: [0, 0, 0]}}}\n"
       "merged_scans: {m: {laserscan_topics: [a, b], beams: 360, range_max: 20}}\n");

@@ -19,20 +19,20 @@ Config front_and_roof(const std::string& more = "") {
 
 TEST(Sinks, WhatCameOutIsCountedByTopicAndStaysCountedOverAReload) {
   test::RecordingSink sink;
-  Outlet outlet(sink);
-  outlet.configure(front_and_roof());
-  const OutputTopic& front_scan = outlet.topic("front/scan");
-  outlet.publish(front_scan, test::sample_scan(), Stamp{1'000'000'000});
-  outlet.publish(front_scan, test::sample_scan(), Stamp{1'500'000'000});
+  Router router(sink);
+  router.configure(front_and_roof());
+  const OutputTopic& front_scan = router.topic("front/scan");
+  router.publish(front_scan, test::sample_scan(), Stamp{1'000'000'000});
+  router.publish(front_scan, test::sample_scan(), Stamp{1'500'000'000});
   for (const bool reloaded : {false, true}) {
-    if (reloaded) outlet.configure(front_and_roof("first: {model: sick_lms1xx, ip_address: 10.0.0.1}, "));
-    EXPECT_EQ(&outlet.topic("front/scan"), &front_scan) << "whoever publishes there need not ask again";
-    const OutputReport& scans = outlet.reports().at(front_scan.id);
+    if (reloaded) router.configure(front_and_roof("first: {model: sick_lms1xx, ip_address: 10.0.0.1}, "));
+    EXPECT_EQ(&router.topic("front/scan"), &front_scan) << "whoever publishes there need not ask again";
+    const OutputReport& scans = router.reports().at(front_scan.id);
     EXPECT_EQ(scans.name, "front/scan");
     EXPECT_EQ(scans.messages, 2U);
     EXPECT_EQ(scans.rate(), 2);
     EXPECT_TRUE(scans.promised);
-    const OutputReport& fixes = outlet.reports().at(outlet.topic("roof/fix").id);
+    const OutputReport& fixes = router.reports().at(router.topic("roof/fix").id);
     EXPECT_EQ(fixes.messages, 0U);
     EXPECT_FALSE(fixes.promised);
   }

@@ -20,7 +20,7 @@ using testing::ElementsAre;
 class TellingDriver final : public Driver {
  public:
   explicit TellingDriver(DriverConfig config) : config_(std::move(config)) {}
-  Verdict receive(const Packet& /*packet*/, DriverOutput& out) override {
+  Verdict receive(const Packet& /*packet*/, FrameReceiver& out) override {
     out.message(test::sample_fix());
     out.message(test::sample_time_reference());
     out.message(test::sample_imu());

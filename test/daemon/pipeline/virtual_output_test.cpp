@@ -62,7 +62,7 @@ int hits(const PlanarScan& scan) {
   return static_cast<int>(std::count(scan.statuses.begin(), scan.statuses.end(), BeamStatus::hit));
 }
 
-TEST(VirtualOutput, FramesThatShareATopicComeInOrderWithStampsThatIncrease) {
+TEST(VirtualScanMaker, FramesThatShareATopicComeInOrderWithStampsThatIncrease) {
   PipelineBench bench(levels("high, low", ", output_laser_topic: cut"));
   for (const double at : {0.0, 100.0, 100.0, 50.0})
     bench.give("roof", posts(bench_begin + ms(at), ring_of_posts(5, 0)), bench_begin + ms(200));
@@ -81,7 +81,7 @@ TEST(VirtualOutput, FramesThatShareATopicComeInOrderWithStampsThatIncrease) {
   EXPECT_EQ(bench.value("virtual v", "Held back without a newer instant", bench_begin + ms(200)), "2");
 }
 
-TEST(VirtualOutput, FramesWithTopicsOfTheirOwnHaveTheCloudsStamp) {
+TEST(VirtualScanMaker, FramesWithTopicsOfTheirOwnHaveTheCloudsStamp) {
   PipelineBench bench(levels("high, low", ", also: {flat: flatten}"));
   for (const double at : {0.0, 100.0})
     bench.give("roof", posts(bench_begin + ms(at), ring_of_posts(5, 0)), bench_begin + ms(at + 100));
@@ -94,7 +94,7 @@ TEST(VirtualOutput, FramesWithTopicsOfTheirOwnHaveTheCloudsStamp) {
   }
 }
 
-TEST(VirtualOutput, StampsDoNotGoBackOverAChange) {
+TEST(VirtualScanMaker, StampsDoNotGoBackOverAChange) {
   PipelineBench bench(levels("low"));
   bench.give("roof", posts(bench_begin + ms(100), ring_of_posts(5, 0)), bench_begin + ms(200));
   OutputScanConfig wanted = bench.config.virtual_scans[0].output;
@@ -111,7 +111,7 @@ TEST(VirtualOutput, StampsDoNotGoBackOverAChange) {
 
 /// The posts as they were seen from a lidar whose vehicle turned on the spot at 1 rad/s; `flatten` with
 /// motion has to bring them back to where they stand, as seen at the end of the cloud.
-TEST(VirtualOutput, PointsAloneAreBroughtToOneInstantTooFromTheirLidarsPlaceOnTheVehicle) {
+TEST(VirtualScanMaker, PointsAloneAreBroughtToOneInstantTooFromTheirLidarsPlaceOnTheVehicle) {
   PipelineBench bench(levels("low", ", max_height: 3", "odometry_topic: /odom"));
   const Pose mount = make_pose({0.5, 0, 2}, {0, 0, M_PI / 2});
   const double rate = 1;
@@ -145,7 +145,7 @@ TEST(VirtualOutput, PointsAloneAreBroughtToOneInstantTooFromTheirLidarsPlaceOnTh
   EXPECT_EQ(bench.value("virtual v", "Not deskewed", bench_begin + ms(150)), "0");
 }
 
-TEST(VirtualOutput, NeedsTheLidarsPlaceOnTheVehicleOnlyForWhatIsKnownOfTheVehicle) {
+TEST(VirtualScanMaker, NeedsTheLidarsPlaceOnTheVehicleOnlyForWhatIsKnownOfTheVehicle) {
   const auto published = [](const std::string& keys, const std::string& vehicle) {
     PipelineBench bench(
         "vehicle: {" + vehicle +
@@ -161,7 +161,7 @@ TEST(VirtualOutput, NeedsTheLidarsPlaceOnTheVehicleOnlyForWhatIsKnownOfTheVehicl
   EXPECT_EQ(published("profile: safety, ground: none", ""), 0U);
 }
 
-TEST(VirtualOutput, CountsCloudsAndFramesWithoutAPlaceAndNamesThem) {
+TEST(VirtualScanMaker, CountsCloudsAndFramesWithoutAPlaceAndNamesThem) {
   PipelineBench bench(levels("low, nowhere"));
   const Stamp now = bench_begin + ms(100);
   EXPECT_THAT(why_missing(bench.pipeline, "low"),
@@ -178,7 +178,7 @@ TEST(VirtualOutput, CountsCloudsAndFramesWithoutAPlaceAndNamesThem) {
   EXPECT_EQ(bench.item("virtual v", now + ms(100)).message, "publishing");
 }
 
-TEST(VirtualOutput, OfACloudWhoseOwnPlaceIsNotKnownNothingComesAndEveryFrameSaysWhy) {
+TEST(VirtualScanMaker, OfACloudWhoseOwnPlaceIsNotKnownNothingComesAndEveryFrameSaysWhy) {
   PipelineBench bench(
       "vehicle: {footprint: [[-1, -1], [1, -1], [0, 1]]}\nsensors: {roof: {topic: /roof}}\n"
       "virtual_scans: {v: {cloud_topic: roof, virtual_laser_scan: [low, high], poses: {low: {xyz: [0, 0, "
@@ -196,7 +196,7 @@ TEST(VirtualOutput, OfACloudWhoseOwnPlaceIsNotKnownNothingComesAndEveryFrameSays
   EXPECT_EQ(bench.value("virtual v", "Inputs without pose", now), "1");
 }
 
-TEST(VirtualOutput, ACloudWithoutRingsIsToldForProfilesThatNeedThem) {
+TEST(VirtualScanMaker, ACloudWithoutRingsIsToldForProfilesThatNeedThem) {
   PipelineBench bench(levels("low", ", profile: safety, ground: none"));
   const Stamp now = bench_begin + ms(100);
   bench.give("roof", posts(bench_begin, ring_of_posts(5, 0)), now);
@@ -207,7 +207,7 @@ TEST(VirtualOutput, ACloudWithoutRingsIsToldForProfilesThatNeedThem) {
   EXPECT_EQ(test::value_of(item, "Returns on the vehicle"), "0");
 }
 
-TEST(VirtualOutput, SaysNothingMoreWhenItsCloudsStopAndAnErrorAfterThreeSeconds) {
+TEST(VirtualScanMaker, SaysNothingMoreWhenItsCloudsStopAndAnErrorAfterThreeSeconds) {
   PipelineBench bench(levels("low"));
   for (double at = 0; at <= 2000; at += 100) {
     bench.give("roof", posts(bench_begin + ms(at), ring_of_posts(5, 0)), bench_begin + ms(at));

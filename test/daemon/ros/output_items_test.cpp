@@ -28,7 +28,7 @@ virtual_scans:
   return config;
 }
 
-std::vector<std::string> names_of(const ChangeableOutput& output) {
+std::vector<std::string> names_of(const Reconfigurable& output) {
   std::vector<std::string> names;
   for (const auto& item : output.items) names.emplace_back(item.name);
   return names;
@@ -68,7 +68,7 @@ TEST(OutputItems, HaveTheTopicsOfFurtherVirtualScansToo) {
 }
 
 TEST(OutputItems, ChangeOneByOneAndKeepTheRest) {
-  ChangeableOutput output = changeable_outputs(vehicle(), ReconfigureNames::entries)[0];
+  Reconfigurable output = changeable_outputs(vehicle(), ReconfigureNames::entries)[0];
   EXPECT_EQ(beams_of(output.config), 1440U);
   EXPECT_EQ(change(output, {{"range_max", 18.0}, {"profile", "safety"}}), "");
   EXPECT_EQ(output.config.grid.range_max, 18);
@@ -87,7 +87,7 @@ TEST(OutputItems, OfAVelodyneAreThoseOfItsFormerNodes) {
   const Config config = parse_config(
       "sensors: {roof: {model: velodyne_vlp16, min_range: 0.9, max_range: 130, scan_ring: auto}}", "p");
   EXPECT_TRUE(changeable_outputs(config, ReconfigureNames::entries).empty());
-  ChangeableOutput output = changeable_outputs(config, ReconfigureNames::node).at(0);
+  Reconfigurable output = changeable_outputs(config, ReconfigureNames::node).at(0);
   EXPECT_EQ(output.server, "");
   EXPECT_THAT(names_of(output), ElementsAre("time_offset", "min_range", "max_range", "view_direction",
                                             "view_width", "organize_cloud"));
@@ -113,14 +113,14 @@ TEST(OutputItems, OfAVelodyneAreThoseOfItsFormerNodes) {
 }
 
 TEST(OutputItems, AreBroughtIntoTheirLimits) {
-  ChangeableOutput output = changeable_outputs(vehicle(), ReconfigureNames::node)[0];
+  Reconfigurable output = changeable_outputs(vehicle(), ReconfigureNames::node)[0];
   EXPECT_EQ(change(output, {{"range_max", 5000.0}, {"angle_max", 9.0}}), "");
   EXPECT_EQ(output.config.grid.range_max, 1000);
   EXPECT_EQ(output.config.grid.angle_max, M_PI);
 }
 
 TEST(OutputItems, AreRefusedTogetherWithWhatWouldBeRight) {
-  ChangeableOutput output = changeable_outputs(vehicle(), ReconfigureNames::entries)[0];
+  Reconfigurable output = changeable_outputs(vehicle(), ReconfigureNames::entries)[0];
   const auto refused = [&](const ItemValues& wanted) {
     const auto before = config_message(output);
     const std::string why = change(output, wanted);
@@ -149,13 +149,13 @@ merged_scans:
   around: {laserscan_topics: [bumper]}
 )",
                                      "p");
-  ChangeableOutput output = changeable_outputs(config, ReconfigureNames::entries).at(0);
+  Reconfigurable output = changeable_outputs(config, ReconfigureNames::entries).at(0);
   EXPECT_THAT(change(output, {{"profile", "strict"}}), HasSubstr("the source bumper is a virtual scan"));
   EXPECT_EQ(output.config.profile, Profile::flatten);
 }
 
 TEST(OutputItems, TravelAsDynamicReconfigureHasThem) {
-  const ChangeableOutput output = changeable_outputs(vehicle(), ReconfigureNames::entries)[0];
+  const Reconfigurable output = changeable_outputs(vehicle(), ReconfigureNames::entries)[0];
   const auto config = config_message(output);
   EXPECT_EQ(config.doubles.size() + config.strs.size(), output.items.size());
   ASSERT_EQ(config.groups.size(), 1U);

@@ -95,7 +95,8 @@ TEST(UdpSource, AGroupThatCannotBeJoinedIsExplained) {
     return why_not_joined({group, interface}, error).find(part) != std::string::npos;
   };
   EXPECT_TRUE(says("eth7", ENXIO, "there is no interface eth7; compare with `ip link`"));
-  EXPECT_TRUE(says("10.0.0.7", ENODEV, "no interface has the address 10.0.0.7; compare with `ip -4 address`"));
+  EXPECT_TRUE(
+      says("10.0.0.7", ENODEV, "no interface has the address 10.0.0.7; compare with `ip -4 address`"));
   EXPECT_TRUE(says("", ENODEV, "no interface leads to it; name the sensor's interface"));
 }
 
@@ -149,8 +150,10 @@ TEST(UdpSource, PortInUseIsExplainedAndTakenWhenFree) {
   const std::string port = std::to_string(options.port);
   std::string own_name;
   std::getline(std::ifstream("/proc/self/comm"), own_name);
-  EXPECT_EQ(bench.source.state().message, "port " + port + " is in use by another program; find it with `ss -lunp "
-                                          "'sport = :" + port + "'` (it is " + own_name + ", process " +
+  EXPECT_EQ(bench.source.state().message, "port " + port +
+                                              " is in use by another program; find it with `ss -lunp "
+                                              "'sport = :" +
+                                              port + "'` (it is " + own_name + ", process " +
                                               std::to_string(getpid()) + ")");
   bench.run(milliseconds(250));
   EXPECT_EQ(bench.source.state().phase, UdpState::Phase::waiting);

@@ -106,7 +106,7 @@ std::vector<WirePacket> corrected_stream() {
 
 std::vector<std::size_t> points_per_frame(const DriverConfig& config,
                                           const std::vector<WirePacket>& packets) {
-  class Sizes final : public DriverOutput {
+  class Sizes final : public FrameReceiver {
    public:
     void scan(PlanarScan& /*scan*/) override {}
     void cloud(Cloud& cloud) override { sizes.push_back(cloud.size()); }

@@ -45,7 +45,7 @@ struct TelemetryBytes {
 };
 
 /// A receiver on the desk: keeps what comes out.
-class TelemetryBench final : public DriverOutput {
+class TelemetryBench final : public FrameReceiver {
  public:
   explicit TelemetryBench(bool with_imu = false, ClockMode clock = ClockMode::arrival,
                           bool expect_pps = false) {

@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drivers/velodyne/packet.h"
 #include "drivers/velodyne/telemetry.h"
 
 #include <gtest/gtest.h>
@@ -8,6 +7,7 @@
 #include <cmath>
 #include <random>
 
+#include "drivers/velodyne/packet.h"
 #include "test/drivers/velodyne/telemetry_bench.h"
 
 namespace lidard::velodyne {

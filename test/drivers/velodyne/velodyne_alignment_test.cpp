@@ -28,7 +28,7 @@ struct Edge {
 };
 
 /// The samples of each laser; `interpolated`: azimuths as decoded, else those of the blocks.
-class Samples final : public DriverOutput {
+class Samples final : public FrameReceiver {
  public:
   Samples(const velodyne::ModelRow& row, bool interpolated)
       : row_(row), interpolated_(interpolated), lasers(row.lasers) {}

@@ -51,8 +51,8 @@ std::vector<std::uint8_t> random_slots(std::mt19937& random) {
 }
 
 /// What one kind of kernels makes of sequences at many azimuths and turning rates.
-PointBytes unpack(const ModelRow& row, const Calibration* calibration,
-                  const SequenceKernels& kernels, std::mt19937 random) {
+PointBytes unpack(const ModelRow& row, const Calibration* calibration, const SequenceKernels& kernels,
+                  std::mt19937 random) {
   Unpacker unpacker(row, false, 5, 120, calibration, kernels);
   Cloud cloud;
   std::size_t points = 0;

@@ -24,7 +24,7 @@ namespace {
 using test::WirePacket;
 
 /// Looks at the times of each cloud, as the driver makes it and in every layout of messages.
-class Times final : public DriverOutput {
+class Times final : public FrameReceiver {
  public:
   void scan(PlanarScan&) override { ADD_FAILURE() << "a scan of a Velodyne"; }
   void cloud(Cloud& cloud) override {

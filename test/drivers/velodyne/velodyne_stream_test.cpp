@@ -73,7 +73,7 @@ std::unique_ptr<Driver> make_driver(double cut_deg = 0, bool keep_partial = true
   return config.model->make(config);
 }
 
-Reject give(Driver& driver, const Bytes& bytes, Stamp arrival, DriverOutput& out) {
+Reject give(Driver& driver, const Bytes& bytes, Stamp arrival, FrameReceiver& out) {
   const Endpoint sensor{IpAddress::v4(192, 168, 1, 201), 2368};
   return driver.receive({{bytes.data(), bytes.size()}, arrival, sensor, {{}, 2368}}, out).reject;
 }

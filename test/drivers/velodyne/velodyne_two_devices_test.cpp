@@ -22,7 +22,8 @@ using test::ModelMode;
 using test::WirePacket;
 
 /// The same sensor's packets as of another one: its clock is ahead by `ahead`, its rotor by `turned` degrees.
-std::vector<WirePacket> other(std::vector<WirePacket> packets, std::chrono::microseconds ahead, unsigned turned) {
+std::vector<WirePacket> other(std::vector<WirePacket> packets, std::chrono::microseconds ahead,
+                              unsigned turned) {
   for (WirePacket& packet : packets) {
     std::uint32_t us = 0;
     std::memcpy(&us, &packet.bytes[velodyne::stamp_offset], 4);
@@ -38,12 +39,14 @@ std::vector<WirePacket> other(std::vector<WirePacket> packets, std::chrono::micr
 }
 
 /// All packets by their arrival, those of `second` later by `late`.
-std::vector<WirePacket> beside(std::vector<WirePacket> first, const std::vector<WirePacket>& second, Span late) {
+std::vector<WirePacket> beside(std::vector<WirePacket> first, const std::vector<WirePacket>& second,
+                               Span late) {
   for (WirePacket packet : second) {
     packet.arrival = packet.arrival + late;
     first.push_back(std::move(packet));
   }
-  std::stable_sort(first.begin(), first.end(), [](const auto& a, const auto& b) { return a.arrival < b.arrival; });
+  std::stable_sort(first.begin(), first.end(),
+                   [](const auto& a, const auto& b) { return a.arrival < b.arrival; });
   return first;
 }
 
@@ -55,12 +58,11 @@ std::pair<std::string, double> two_devices(const ModelMode& which, const std::ve
   test::Collector out;
   Alternation devices(8, std::chrono::seconds(10));
   for (const WirePacket& packet : packets) {
-    const Verdict verdict =
-        driver->receive({{packet.bytes.data(), packet.bytes.size()},
-                     packet.arrival,
-                     {IpAddress::v4(192, 168, 1, 201), 2368},
-                     {{}, 2368}},
-                    out);
+    const Verdict verdict = driver->receive({{packet.bytes.data(), packet.bytes.size()},
+                                             packet.arrival,
+                                             {IpAddress::v4(192, 168, 1, 201), 2368},
+                                             {{}, 2368}},
+                                            out);
     out.clouds.clear();
     devices.observe(verdict.device, packet.arrival);
     if (const std::string both = devices.both(packet.arrival); !both.empty())
@@ -97,7 +99,8 @@ TEST_P(EveryVelodyne, IsOneWhereItsPacketsComeTwiceLateOrWithGaps) {
   auto disordered = packets, lossy = packets;
   for (WirePacket& packet : disordered) packet.arrival = packet.arrival + Span(random() % 20'000'000);
   EXPECT_EQ(two_devices(GetParam(), beside(disordered, {}, Span(0))).first, "");
-  lossy.erase(std::remove_if(lossy.begin(), lossy.end(), [&](const auto&) { return random() % 3 == 0; }), lossy.end());
+  lossy.erase(std::remove_if(lossy.begin(), lossy.end(), [&](const auto&) { return random() % 3 == 0; }),
+              lossy.end());
   EXPECT_EQ(two_devices(GetParam(), lossy).first, "");
   // Two cables that carry a packet each in turn, one of them longer.
   auto bonded = packets;
@@ -114,8 +117,7 @@ TEST_P(EveryVelodyne, IsOneThatIsExchangedOrStartsAgain) {
   EXPECT_EQ(two_devices(GetParam(), exchanged).first, "");
 }
 
-INSTANTIATE_TEST_SUITE_P(VelodyneTwoDevices, EveryVelodyne,
-                         testing::ValuesIn(test::model_modes()),
+INSTANTIATE_TEST_SUITE_P(VelodyneTwoDevices, EveryVelodyne, testing::ValuesIn(test::model_modes()),
                          [](const auto& of) {
                            std::string name = of.param.name();
                            std::replace_if(

@@ -10,7 +10,7 @@ namespace lidard::sim {
 
 /// Looks whether what a driver hands on keeps the invariants of frames, whatever it was given: those of
 /// PlanarScan, finite numbers, points that belong to columns, sizes that a device can have.
-class OutputCheck final : public DriverOutput {
+class OutputCheck final : public FrameReceiver {
  public:
   void scan(PlanarScan& scan) override;
   void cloud(Cloud& cloud) override;

@@ -171,7 +171,7 @@ TEST_P(ColaCapture, StampsLieOnALineBeforeTheirArrival) {
   DriverConfig config;
   config.model = find_model(GetParam().model);
   const auto driver = config.model->make(config);
-  struct Stamps final : DriverOutput {
+  struct Stamps final : FrameReceiver {
     void scan(PlanarScan& s) override { keep(s.stamp); }
     void cloud(Cloud& c) override { keep(c.stamp); }
     void keep(Stamp stamp) {
@@ -323,7 +323,7 @@ TEST(ColaCaptures, FieldsAndOutputsOfAnLms511GoOut) {
   DriverConfig config;
   config.model = find_model("sick_lms5xx");
   const auto driver = config.model->make(config);
-  struct States final : DriverOutput {
+  struct States final : FrameReceiver {
     void scan(PlanarScan&) override {}
     void cloud(Cloud&) override {}
     void message(const DeviceMessage& message) override {

@@ -75,7 +75,7 @@ TEST(SafetyVariables, TheDataOutputIsReadFromItsPlaces) {
 
 // ChangeCommSettingsCommand.cpp: 28 bytes, channel 0, then as above.
 TEST(SafetyVariables, AChangeOfTheOutputIsWrittenToTheSamePlaces) {
-  SafetyOutput output;
+  DataOutput output;
   output.enabled = true;
   output.interface = 1;
   output.host = IpAddress::v4(10, 1, 2, 3);

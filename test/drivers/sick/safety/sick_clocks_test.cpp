@@ -51,7 +51,8 @@ TEST(ColaClock, HoldsHalfAMillisecondUpToAThousandPpmWhateverTheHostDoes) {
         const double device_us = 4'290'000'000.0 + t * (1e6 + ppm);
         const auto start = static_cast<std::uint32_t>(static_cast<std::uint64_t>(device_us));
         const double sent = t + 0.0063;
-        const Span begin = clock.observe(start, start + 6300, Span(50'000'000), Span(66'666'667), host.takes(sent));
+        const Span begin =
+            clock.observe(start, start + 6300, Span(50'000'000), Span(66'666'667), host.takes(sent));
         double& into = t < 3 ? first : worst;
         into = std::max(into, error_s(clock.to_host(begin), t));
       }

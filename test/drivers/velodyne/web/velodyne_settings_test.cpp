@@ -12,12 +12,8 @@ using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
 VelodyneTree snapshot() {
-  return {{"config.rpm", "600"},
-          {"config.returns", "Strongest"},
-          {"config.fov.start", "0"},
-          {"config.fov.end", "359"},
-          {"config.host.addr", "192.168.1.77"},
-          {"config.host.dport", "2368"},
+  return {{"config.rpm", "600"},        {"config.returns", "Strongest"},      {"config.fov.start", "0"},
+          {"config.fov.end", "359"},    {"config.host.addr", "192.168.1.77"}, {"config.host.dport", "2368"},
           {"config.host.tport", "8308"}};
 }
 
@@ -84,8 +80,8 @@ TEST(VelodynePlan, MovesTheStreamLast) {
   const VelodyneSettings wanted{300, VelodyneReturns::last, 10, 20, IpAddress::v4(1, 2, 3, 4), 1, 2};
   std::vector<std::string> bodies;
   for (const auto& change : plan(snapshot(), wanted).changes) bodies.push_back(change.body);
-  EXPECT_THAT(bodies,
-              ElementsAre("rpm=300", "returns=Last", "start=10", "end=20", "dport=1", "tport=2", "addr=1.2.3.4"));
+  EXPECT_THAT(bodies, ElementsAre("rpm=300", "returns=Last", "start=10", "end=20", "dport=1", "tport=2",
+                                  "addr=1.2.3.4"));
 }
 
 TEST(VelodynePlan, DoesNotTouchWhatIsNotReported) {

@@ -37,7 +37,7 @@ VelodyneControl writing() {
 }
 
 /// A sensor and the dialogue with it, in a time of their own.
-class Talk final : public DriverOutput {
+class Talk final : public FrameReceiver {
  public:
   explicit Talk(const VelodyneControl& control, const WebTiming& timing = {}) : dialogue(control, timing) {}
 

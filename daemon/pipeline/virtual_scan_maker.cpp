@@ -25,18 +25,18 @@ VirtualSettings settings_of(const VirtualScanConfig& config) {
 }
 
 /// The virtual scans of one cloud, or of a merged cloud.
-class VirtualOutput final : public Output {
+class VirtualScanMaker final : public Maker {
  public:
-  VirtualOutput(const VirtualScanConfig& config, const OutputContext& context)
+  VirtualScanMaker(const VirtualScanConfig& config, const MakerContext& context)
       : config_(config),
         context_(context),
         poses_(context.poses),
         stamps_(config.output_laser_topic.empty() ? config.virtual_laser_scan.size() : 1),
         why_unplaced_(config.virtual_laser_scan.size()) {
     for (const std::string& frame : config.virtual_laser_scan) {
-      topics_.push_back({&context.outlet.topic(config.topic(frame))});
+      topics_.push_back({&context.router.topic(config.topic(frame))});
       for (const AlsoScanConfig& also : config.also)
-        topics_.back().push_back(&context.outlet.topic(config.topic(frame, &also)));
+        topics_.back().push_back(&context.router.topic(config.topic(frame, &also)));
     }
     set_up();
   }
@@ -140,12 +140,12 @@ class VirtualOutput final : public Output {
     for (std::size_t i = 0; i < scans_.size(); ++i) {
       scans_[i].frame_id = config_.virtual_laser_scan[frame];
       scans_[i].stamp = stamp;
-      context_.outlet.publish(*topics_[frame][i], scans_[i], now);
+      context_.router.publish(*topics_[frame][i], scans_[i], now);
     }
   }
 
   VirtualScanConfig config_;
-  const OutputContext& context_;
+  const MakerContext& context_;
   const FrameTree& poses_;
   bool needs_vehicle_ = true;  // the cloud's place on the vehicle
   std::optional<Virtualizer> virtualizer_;
@@ -159,15 +159,15 @@ class VirtualOutput final : public Output {
   std::vector<SteadyStamps> stamps_;                     // one for all where the frames share a topic
   std::vector<std::string>
       why_unplaced_;  // why the newest cloud could not be seen from a frame; empty: it could
-  OutputCounters counters_;
+  MakerCounters counters_;
   std::uint64_t without_rings_ = 0;  // clouds that are points alone
   PoseGate gate_;
 };
 
 }  // namespace
 
-std::unique_ptr<Output> make_output(const VirtualScanConfig& config, const OutputContext& context) {
-  return std::make_unique<VirtualOutput>(config, context);
+std::unique_ptr<Maker> make_maker(const VirtualScanConfig& config, const MakerContext& context) {
+  return std::make_unique<VirtualScanMaker>(config, context);
 }
 
 }  // namespace lidard

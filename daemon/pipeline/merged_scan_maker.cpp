@@ -30,9 +30,9 @@ MergeSettings settings_of(const MergedScanConfig& config) {
 }
 
 /// A merged scan: takes the scans of its sources, publishes when one is due.
-class MergedOutput final : public Output {
+class MergedScanMaker final : public Maker {
  public:
-  MergedOutput(const MergedScanConfig& config, const OutputContext& context)
+  MergedScanMaker(const MergedScanConfig& config, const MakerContext& context)
       : config_(config),
         context_(context),
         poses_(context.poses),
@@ -44,7 +44,7 @@ class MergedOutput final : public Output {
         compared_(config.laserscan_topics.size(), nullptr),
         places_(config.laserscan_topics.size(), Eigen::Vector2d::Zero()) {
     const auto topic = [&](const std::string& name) {
-      return name.empty() ? nullptr : &context.outlet.topic(name);
+      return name.empty() ? nullptr : &context.router.topic(name);
     };
     scan_topics_ = {topic(config.scan_destination_topic)};
     for (const AlsoScanConfig& also : config.also) scan_topics_.push_back(topic(also.topic));
@@ -141,11 +141,11 @@ class MergedOutput final : public Output {
         merger_->merge(moment, sources_.usable(now), merged_, cloud_topic_ != nullptr ? &cloud_ : nullptr);
     sources_.published(report, now);
     compare_sources(moment.at);
-    for (std::size_t i = 0; i < scans_.size(); ++i) context_.outlet.publish(*scan_topics_[i], scans_[i], now);
-    if (cloud_topic_ != nullptr) context_.outlet.publish(*cloud_topic_, cloud_, now);
+    for (std::size_t i = 0; i < scans_.size(); ++i) context_.router.publish(*scan_topics_[i], scans_[i], now);
+    if (cloud_topic_ != nullptr) context_.router.publish(*cloud_topic_, cloud_, now);
     if (status_topic_ == nullptr) return;
     fill_status();
-    context_.outlet.publish(*status_topic_, status_, now);
+    context_.router.publish(*status_topic_, status_, now);
   }
   void fill_status() {
     const Visibility& visibility = *merger_->visibility();
@@ -174,7 +174,7 @@ class MergedOutput final : public Output {
   }
 
   MergedScanConfig config_;
-  const OutputContext& context_;
+  const MakerContext& context_;
   const FrameTree& poses_;
   Footprint footprint_;                   // in base_frame
   std::optional<Pose> footprint_placed_;  // base_frame in the output frame when it was last set
@@ -194,8 +194,8 @@ class MergedOutput final : public Output {
 
 }  // namespace
 
-std::unique_ptr<Output> make_output(const MergedScanConfig& config, const OutputContext& context) {
-  return std::make_unique<MergedOutput>(config, context);
+std::unique_ptr<Maker> make_maker(const MergedScanConfig& config, const MakerContext& context) {
+  return std::make_unique<MergedScanMaker>(config, context);
 }
 
 }  // namespace lidard

@@ -12,12 +12,12 @@ namespace {
 
 /// A merged cloud: takes the clouds and scans of its sources, publishes when one is due. While nobody wants
 /// it no return is kept, and what would be published is counted alone.
-class MergedCloudOutput final : public Output {
+class MergedCloudMaker final : public Maker {
  public:
-  MergedCloudOutput(const MergedCloudConfig& config, const OutputContext& context)
+  MergedCloudMaker(const MergedCloudConfig& config, const MakerContext& context)
       : config_(config),
         context_(context),
-        topic_(context.outlet.topic(config.destination_topic)),
+        topic_(context.router.topic(config.destination_topic)),
         merger_(config.sources.size(), config.organized),
         sources_({config.sources, config.schedule, config.on_missing_motion, config.destination_frame},
                  context) {
@@ -27,7 +27,7 @@ class MergedCloudOutput final : public Output {
   OutputId id() const override { return {OutputId::Kind::merged_cloud, config_.name}; }
   bool is_of(const MergedCloudConfig& entry) const override { return config_ == entry; }
   std::vector<std::string> sources() const override { return config_.sources; }
-  bool is_wanted() const override { return context_.outlet.wants(topic_) || context_.outlet.feeds(topic_); }
+  bool is_wanted() const override { return context_.router.wants(topic_) || context_.router.feeds(topic_); }
   void add_scan(std::size_t source, const PlanarScan& scan, Stamp now) override {
     // The ring that a lidar publishes as a scan too (scan_ring).
     if (cloud_at_[source] && now - *cloud_at_[source] < std::chrono::seconds(2)) return;
@@ -94,7 +94,7 @@ class MergedCloudOutput final : public Output {
   void publish(MergeMoment moment, Stamp now) {
     if (!wanted_) {
       sources_.skipped(now);
-      return context_.outlet.skip(topic_, now);
+      return context_.router.skip(topic_, now);
     }
     // The last look was at the instant too, but only where the vehicle moves.
     if (moment.track == nullptr &&
@@ -105,12 +105,12 @@ class MergedCloudOutput final : public Output {
     }
     sources_.published(merger_.merge(moment, sources_.usable(now), merged_), now);
     merged_size_ = merged_.size();
-    context_.outlet.publish(topic_, merged_, now);
-    context_.outlet.feed(topic_, merger_.placed(), moment.at, now);
+    context_.router.publish(topic_, merged_, now);
+    context_.router.feed(topic_, merger_.placed(), moment.at, now);
   }
 
   MergedCloudConfig config_;
-  const OutputContext& context_;
+  const MakerContext& context_;
   const OutputTopic& topic_;
   CloudMerger merger_;
   MergeSources sources_;
@@ -123,8 +123,8 @@ class MergedCloudOutput final : public Output {
 
 }  // namespace
 
-std::unique_ptr<Output> make_output(const MergedCloudConfig& config, const OutputContext& context) {
-  return std::make_unique<MergedCloudOutput>(config, context);
+std::unique_ptr<Maker> make_maker(const MergedCloudConfig& config, const MakerContext& context) {
+  return std::make_unique<MergedCloudMaker>(config, context);
 }
 
 }  // namespace lidard
