@@ -54,7 +54,7 @@ CONFIGURATIONS = [
     (VLP + "merged_scans:\n  m: {laserscan_topics: [rof]}\n", (":4:", "rof", "expected")),
     (VLP + "  roof: {model: velodyne_vlp16}\n", (":3:", "given twice", "it once")),
     ("sensors:\n  roof: {<<: velodyne, model: velodyne_vlp16}\n", (":2:", "merges what is no mapping", "an alias of a mapping")),
-    ("sensors:\n  roof: &a {<<: *a, model: velodyne_vlp16}\n", (":2:", "<<", "an alias of a mapping")),
+    ("sensors:\n  roof: &a {<<: *a, model: velodyne_vlp16}\n", (":2:17:", "an alias stands for the list or mapping that it is a part of")),
     ("sensors:\n  roof: {<<: *nobody}\n", (":2:", "not YAML", "expected")),
     (VLP.encode("utf-16"), (":1:1", "UTF-16", "UTF-8")),
     (VLP.encode("utf-16-be"), (":1:1", "UTF-16", "iconv")),
