@@ -53,6 +53,7 @@ install(FILES ${config}/KEYS.md DESTINATION ${manual}/config)
 install(DIRECTORY ${config}/doc DESTINATION ${manual}/config)
 install(FILES pcaps/README.md DESTINATION ${manual}/pcaps)
 install(FILES drivers/README.md DESTINATION ${manual}/drivers)
+install(FILES daemon/README.md DESTINATION ${manual}/daemon)
 
 install(FILES ${config}/60-lidard.conf DESTINATION lib/sysctl.d)
 install(FILES daemon/lidard.8 DESTINATION ${CMAKE_INSTALL_MANDIR}/man8 OPTIONAL)

@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <exception>
 
-struct Print final : lidard::DriverOutput {
+struct Print final : lidard::FrameReceiver {
   void scan(lidard::PlanarScan& scan) override {
     std::printf("%.9f scan, %zu beams\n", lidard::seconds(scan.stamp - lidard::Stamp{}), scan.beams);
   }
