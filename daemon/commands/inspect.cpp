@@ -6,6 +6,7 @@
 
 #include "core/base/number_text.h"
 #include "daemon/commands/commands.h"
+#include "daemon/files/json_text.h"
 #include "daemon/files/text_table.h"
 #include "daemon/health/reception_verdict.h"
 #include "daemon/health/report.h"
@@ -136,7 +137,7 @@ int run_inspect(const std::vector<std::string>& given, bool json, std::ostream& 
   const Json all = json_of(found);
   // File names and texts of sensors need not be UTF-8.
   if (json)
-    out << all.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
+    out << json_text(all, 2) << '\n';
   else if (any_read)
     print_text(found, all, out);
   return all_read ? 0 : 1;

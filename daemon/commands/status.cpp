@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "daemon/commands/commands.h"
+#include "daemon/files/json_text.h"
 #include "daemon/files/text_table.h"
 #include "daemon/live/runtime_socket.h"
 
@@ -68,11 +69,6 @@ Json json_of(const std::string& topic, const TopicFigures& f) {
 Json json_of(const Event& event) {
   return {{"at", time_text(event.at)},      {"first", time_text(event.first)}, {"count", event.count},
           {"level", name_of(event.health)}, {"source", event.source},          {"text", event.text}};
-}
-
-/// Texts of devices and other nodes may contain any bytes.
-std::string text_of(const Json& json) {
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 std::string quoted(const std::string& text) {
@@ -185,13 +181,13 @@ std::string status_json(const DaemonState& state, const Journal& journal) {
   out["items"] = std::move(items);
   out["topics"] = std::move(topics);
   out["events"] = std::move(events);
-  return text_of(out);
+  return json_text(out, 2) + "\n";
 }
 
 std::string events_json(const Journal& journal) {
   Json events = Json::array();
   for (const Event& event : journal.events()) events.push_back(json_of(event));
-  return text_of({{"forgotten", journal.forgotten()}, {"events", events}});
+  return json_text({{"forgotten", journal.forgotten()}, {"events", events}}, 2) + "\n";
 }
 
 std::string metrics_text(const DaemonState& state) {

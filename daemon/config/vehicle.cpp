@@ -58,7 +58,7 @@ KeyValue footprint_of(const VehicleConfig& vehicle) {
 
 /// Checks the source of the vehicle's motion, and claims what the section gives away.
 void check_vehicle(const Mapping& yaml, const VehicleConfig& vehicle, ConfigClaims& claims) {
-  // The outline is published: RosOutline.
+  // The outline is published: Outline in daemon/ros/session.cpp.
   if (!vehicle.footprint.empty()) claims.publishes("footprint", "vehicle.footprint", yaml.where("footprint"));
   const bool odometry = !vehicle.odometry_frame.empty();
   const bool topic = !vehicle.odometry_topic.empty();

@@ -12,11 +12,6 @@
 namespace lidard {
 namespace {
 
-/// Stamps of sources that are further apart are of different clocks.
-constexpr Span another_clock = std::chrono::seconds(10);
-/// s; poses that lag further behind the data are a fault.
-constexpr double longest_lag_s = 0.5;
-
 std::string name_of(const OutputId& id) {
   switch (id.kind) {
     case OutputId::Kind::merged:

@@ -27,8 +27,6 @@ void CloudWorker::set_part(const Config& part) {
 void CloudWorker::start(const Config& part) {
   if (thread_.joinable() || part.sensors.empty()) return;
   thread_ = std::thread([this] { run(); });
-  const std::lock_guard lock(mutex_);
-  runs_ = true;
 }
 
 void CloudWorker::run() {
@@ -65,8 +63,8 @@ void CloudWorker::configure(std::shared_ptr<const Division> division, std::funct
 
 bool CloudWorker::post(const std::string& sensor, std::function<void(Pipeline&, Stamp)> task) {
   const std::lock_guard lock(mutex_);
-  const bool is_ours = sensor.empty() || names_.count(sensor) > 0;
-  if (is_ours && runs_)
+  const bool is_ours = sensor.empty() ? !names_.empty() : names_.count(sensor) > 0;
+  if (is_ours)
     loop_.post([this, task = std::move(task)](Stamp received) { task(loop_.pipeline(), received); });
   return is_ours;
 }

@@ -60,8 +60,7 @@ class CloudWorker {
   std::atomic<Stamp> dropped_at_{Stamp{}};  // the last time
   std::mutex mutex_;
   // Guarded by mutex_:
-  std::set<std::string> names_;
-  bool runs_ = false;
+  std::set<std::string> names_;  // of the sensors; empty: the thread may not run
 };
 
 }  // namespace lidard

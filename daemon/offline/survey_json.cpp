@@ -16,6 +16,15 @@ void put(const NamedCounter<Owner> (&counters)[n], const Owner& owner, Json& out
   for (const auto& counter : counters) out[counter.key] = owner.*counter.value;
 }
 
+void put_counters(const Counters& counters, Json& out) {
+  put(usual_counters, counters, out);
+  put(trouble_counters, counters, out);
+  out["rejected"] = Json::object();
+  for (std::size_t i = 1; i < reject_reasons; ++i)
+    out["rejected"][to_string(static_cast<Reject>(i))] = counters.rejected[i];
+  out["rejected_packets"] = counters.rejected_total();
+}
+
 Json json_of(const SurveyedCapture& capture) {
   Json out{{"file", capture.file}, {"error", nullptr}};
   if (!capture.error.empty()) out["error"] = capture.error;
@@ -99,13 +108,12 @@ nlohmann::ordered_json json_of(const Survey& survey) {
   return all;
 }
 
-void put_counters(const Counters& counters, nlohmann::ordered_json& out) {
-  put(usual_counters, counters, out);
-  put(trouble_counters, counters, out);
-  out["rejected"] = Json::object();
-  for (std::size_t i = 1; i < reject_reasons; ++i)
-    out["rejected"][to_string(static_cast<Reject>(i))] = counters.rejected[i];
-  out["rejected_packets"] = counters.rejected_total();
+nlohmann::ordered_json json_of(std::string_view model, const Counters& counters, const DeviceInfo& info) {
+  Json out{{"model", model}};
+  put_counters(counters, out);
+  out["serial"] = info.serial;
+  out["warnings"] = info.warnings;
+  return out;
 }
 
 nlohmann::ordered_json json_of_models() {

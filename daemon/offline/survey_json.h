@@ -3,6 +3,7 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 #include "daemon/offline/survey.h"
 
@@ -10,8 +11,8 @@ namespace lidard {
 
 /// What `lidard inspect --json` prints.
 nlohmann::ordered_json json_of(const Survey& survey);
-/// Adds the counters of a sensor to an object.
-void put_counters(const Counters& counters, nlohmann::ordered_json& out);
+/// What a driver says of its device so far.
+nlohmann::ordered_json json_of(std::string_view model, const Counters& counters, const DeviceInfo& info);
 /// What `lidard models --json` prints.
 nlohmann::ordered_json json_of_models();
 

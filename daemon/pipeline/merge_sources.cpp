@@ -8,8 +8,6 @@
 namespace lidard {
 namespace {
 
-constexpr Span another_clock = std::chrono::seconds(10);
-
 /// A stamp that shows a frame's age. Stamps that are far from the time at hand are of another clock, a bag's
 /// or a simulator's: then the arrival counts.
 Stamp comparable(Stamp stamp, Stamp now) {

@@ -8,7 +8,7 @@
 
 #include "core/merge/merger.h"
 #include "core/merge/scheduler.h"
-#include "daemon/pipeline/output.h"
+#include "daemon/pipeline/maker.h"
 #include "daemon/pipeline/pose_gate.h"
 
 namespace lidard {

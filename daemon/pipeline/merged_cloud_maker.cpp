@@ -4,8 +4,9 @@
 #include <vector>
 
 #include "core/merge/cloud_merger.h"
+#include "daemon/pipeline/maker.h"
 #include "daemon/pipeline/merge_sources.h"
-#include "daemon/pipeline/output.h"
+#include "daemon/pipeline/router.h"
 
 namespace lidard {
 namespace {

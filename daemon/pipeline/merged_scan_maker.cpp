@@ -7,8 +7,9 @@
 
 #include "core/merge/merger.h"
 #include "core/mounts/mount_check.h"
+#include "daemon/pipeline/maker.h"
 #include "daemon/pipeline/merge_sources.h"
-#include "daemon/pipeline/output.h"
+#include "daemon/pipeline/router.h"
 
 namespace lidard {
 namespace {

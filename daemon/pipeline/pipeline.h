@@ -9,7 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "daemon/pipeline/output.h"
+#include "daemon/pipeline/maker.h"
+#include "daemon/pipeline/router.h"
 #include "daemon/pipeline/sensor.h"
 
 namespace lidard {

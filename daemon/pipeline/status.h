@@ -25,6 +25,11 @@
 /// States and counters of a pipeline; daemon/health turns them into sentences.
 namespace lidard {
 
+/// Stamps that are further apart are of different clocks: a bag's or a simulator's beside this host's.
+constexpr Span another_clock = std::chrono::seconds(10);
+/// s; poses that lag further behind the data are a fault, and an older speed is none.
+constexpr double longest_lag_s = 0.5;
+
 /// The filter of a sensor's frames on one topic.
 struct FilterStatus {
   std::string topic;

@@ -8,8 +8,6 @@
 namespace lidard {
 namespace {
 
-/// s; younger poses and speeds are live.
-constexpr double longest_lag_s = 0.5;
 /// A speed of that age says little.
 constexpr double longest_speed_s = 3;
 constexpr double data_live_s = 1;

@@ -8,8 +8,9 @@
 #include "core/base/time.h"
 #include "core/motion/frame_motion.h"
 #include "core/virtual/virtualizer.h"
-#include "daemon/pipeline/output.h"
+#include "daemon/pipeline/maker.h"
 #include "daemon/pipeline/pose_gate.h"
+#include "daemon/pipeline/router.h"
 
 namespace lidard {
 namespace {

@@ -6,6 +6,7 @@
 #include <sstream>
 #include <utility>
 
+#include "daemon/files/json_text.h"
 #include "daemon/offline/survey_json.h"
 #include "drivers/capture/pcap_source.h"
 
@@ -42,12 +43,7 @@ class Decoder final : public FrameReceiver {
   const Model& model() const { return *config_.model; }
 
   nlohmann::ordered_json json() const {
-    nlohmann::ordered_json out{{"model", model().name}};
-    const DeviceInfo info = info_of(*driver_);
-    put_counters(driver_->counters(), out);
-    out["serial"] = info.serial;
-    out["warnings"] = info.warnings;
-    return out;
+    return json_of(model().name, driver_->counters(), info_of(*driver_));
   }
 
  private:
@@ -126,7 +122,7 @@ std::string CaptureReader::sensors_json() const {
     all[sensors_[i].name] = decoders_[i]->json();
     all[sensors_[i].name]["sender"] = sensors_[i].data.to_string();
   }
-  return all.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  return json_text(all);
 }
 
 LiveReader::LiveReader(const CaptureChoice& choice, ClockMode clock) {
@@ -162,8 +158,6 @@ std::deque<Frame> LiveReader::finish() {
   return std::exchange(frames(), {});
 }
 
-std::string LiveReader::sensors_json() const {
-  return decoder_->json().dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
-}
+std::string LiveReader::sensors_json() const { return json_text(decoder_->json()); }
 
 }  // namespace lidard::python

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "daemon/config/yaml.h"
+#include "daemon/files/json_text.h"
 #include "daemon/offline/forecast.h"
 #include "daemon/offline/survey_json.h"
 #include "daemon/pipeline/log.h"
@@ -122,10 +123,6 @@ ClockMode clock_of(const std::string& name) {
   throw UsageError("clock: '" + name + "'; expected smooth or arrival");
 }
 
-std::string text_of(const nlohmann::ordered_json& json) {
-  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
-}
-
 std::string check(const std::string& text, const std::string& name) {
   const Config config = parse_config(text, name);
   const EmptyField field(config);
@@ -133,7 +130,9 @@ std::string check(const std::string& text, const std::string& name) {
   nlohmann::ordered_json out{{"warnings", config.warnings},
                              {"outputs", nlohmann::ordered_json::array()},
                              {"config", to_yaml(config)}};
-  for (const std::string& sentence : forecast(config, text, sights)) out["warnings"].push_back(sentence);
+  for (const auto& more : {config.host_remarks, forecast(config, text, sights)}) {
+    for (const std::string& sentence : more) out["warnings"].push_back(sentence);
+  }
   for (const FieldSight& sight : sights) {
     nlohmann::ordered_json one{
         {"entry", sight.entry},          {"frame", sight.frame},
@@ -144,7 +143,7 @@ std::string check(const std::string& text, const std::string& name) {
     for (const Hindrance& thing : sight.hindrances) one["in_the_way"].push_back(thing.sentence);
     out["outputs"].push_back(one);
   }
-  return text_of(out);
+  return json_text(out);
 }
 
 /// Log lines go to Python's logger `lidard`, which shows warnings on standard error by default.
@@ -203,9 +202,9 @@ PYBIND11_MODULE(_lidard, module) {
            })
       .def("finish", [](LiveReader& self) { return to_python(unlocked([&] { return self.finish(); })); });
   module.def("inspect", [](const std::vector<std::string>& captures) {
-    return unlocked([&] { return text_of(json_of(survey(captures))); });
+    return unlocked([&] { return json_text(json_of(survey(captures))); });
   });
-  module.def("models", [] { return text_of(json_of_models()); });
+  module.def("models", [] { return json_text(json_of_models()); });
   module.def("check", [](const std::string& text, const std::string& name) {
     return unlocked([&] { return check(text, name); });
   });

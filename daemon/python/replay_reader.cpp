@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "daemon/files/json_text.h"
 #include "daemon/health/pipeline_health.h"
 #include "daemon/offline/survey_json.h"
 
@@ -63,13 +64,9 @@ std::string ReplayReader::what_is_missing() const {
 std::string ReplayReader::sensors_json() const {
   if (run_ == nullptr) return last_sensors_;
   nlohmann::ordered_json all = nlohmann::ordered_json::object();
-  for (const SensorStatus& sensor : run_->pipeline.status(run_->pipeline.now()).sensors) {
-    auto& one = all[sensor.name] = {{"model", sensor.model}};
-    put_counters(sensor.counters, one);
-    one["serial"] = sensor.info.serial;
-    one["warnings"] = sensor.info.warnings;
-  }
-  return all.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  for (const SensorStatus& sensor : run_->pipeline.status(run_->pipeline.now()).sensors)
+    all[sensor.name] = json_of(sensor.model, sensor.counters, sensor.info);
+  return json_text(all);
 }
 
 bool ReplayReader::wants(const OutputTopic& topic) const {

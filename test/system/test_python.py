@@ -194,13 +194,14 @@ def live():
 
 
 def manual(tmp):
-    """Each block of the page runs; that which draws needs matplotlib."""
+    """Each block of the page runs."""
     for name in ("pcaps", "config"):
         (tmp / name).symlink_to(ROOT / name)
     for block in re.findall(r"^```python\n(.*?)^```", (ROOT / "config/doc/python.md").read_text(), re.S | re.M):
         done = subprocess.run([sys.executable, "-c", block], cwd=tmp, env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path[:1])},
                               capture_output=True, text=True, check=False)
-        expect(done.returncode == 0 or "No module named 'matplotlib'" in done.stderr, f"{block}{done.stderr}")
+        expect(done.returncode == 0, f"{block}{done.stderr}")
+    expect((tmp / "cloud.png").stat().st_size > 10_000, "the picture of the page")
     expect((tmp / "cloud.pcd").stat().st_size > 100_000, "the PCD file of the page")
 
 
@@ -237,6 +238,10 @@ def main():
         live()
         later_sensor(tmp)
         manual(tmp)
+        questioned = tmp / "questioned.yaml"
+        questioned.write_text("sensors: {roof: {model: velodyne_vlp16, ip_port: 80, pose: {xyz: [0, 0, -1]}}}\n")
+        said = run("check", questioned).stderr.splitlines()
+        expect(len(said) >= 2 and lidard.check(questioned)["warnings"] == said, f"check: {said}")
         expect(lidard.models() == json.loads(run("models", "--json").stdout), "models")
         expect(lidard.inspect(DEMO) == json.loads(run("inspect", "--json", DEMO).stdout), "inspect")
         expect(lidard.check(ROOT / "config/demo.yaml")["outputs"][0]["free_percent"] > 0, "check")

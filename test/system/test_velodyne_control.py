@@ -77,12 +77,12 @@ def main():
             expect(server.seen == [], f"control {control}: {server.seen}")
         with daemon(tmp, "read: true") as (server, log, port):
             with send_for_ever(ROOT / "pcaps/vlp16_dual.pcap", {2368: port}):
-                wait_for(lambda: "sends to 127.0.0.99, but its data arrive for 127.0.0.1" in log(), 40, "the log tells the contradiction:\n" + log())
+                wait_for(lambda: "sends to 127.0.0.99, but its data arrive for 127.0.0.1" in log(), 40, "the log shows the contradiction:\n" + log())
             rounds(server, 2)
         expect(all(text.startswith("GET") for text in server.seen), f"only reads: {server.seen}")
         with daemon(tmp, "allow_write: true, rpm: 1200, returns: strongest, fov_start_deg: 270, fov_end_deg: 360") as (server, log, _port):
             rounds(server, 3)
-            expect("wrote rpm: 600 -> 1200" in log(), "the log tells the change:\n" + log())
+            expect("wrote rpm: 600 -> 1200" in log(), "the log shows the change:\n" + log())
         posts = [text for text in server.seen if text.startswith("POST")]
         expect(posts == ["POST /cgi/setting rpm=1200", "POST /cgi/setting/fov start=270"], f"{posts}")
         expect(server.config["rpm"] == 1200 and server.config["fov"] == {"start": 270, "end": 359}, f"{server.config}")

@@ -228,7 +228,7 @@ def open(captures: Captures, model: Optional[str] = None, calibration: Optional[
     captures: a path or several, which are read as one. model: a name of models(); by default the packets show it.
     calibration: file of the one sensor (Velodyne). source: only packets from this "IP" or "IP:PORT".
     clock: "smooth", as on the vehicle; "arrival": each packet has the stamp of its arrival, as `lidard decode` by default.
-    The begin of the captures shows which sensors there are; they are not read twice.
+    The begin of the captures (5 s) shows which sensors there are; only where it does not, they are read twice.
     """
     paths, file = _paths(captures), _os.fspath(calibration or "")
     with _of_files(*paths, file):

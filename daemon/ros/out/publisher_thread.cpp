@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/ros/out/publisher_thread.h"
 
-#include <fmt/format.h>
 #include <ros/callback_queue_interface.h>
 #include <ros/node_handle.h>
 #include <ros/topic_manager.h>
@@ -10,6 +9,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "daemon/health/topic_health.h"
 #include "daemon/live/wait_until.h"
 #include "daemon/pipeline/log.h"
 #include "drivers/net/wall_clock.h"
@@ -62,26 +62,6 @@ void keep(const Payload& payload, Content& content) {
     }
   };
   std::visit(keep_one, payload);
-}
-
-std::string ms(Span span) { return fmt::format("{:.1f}", 1e3 * seconds(span)); }
-
-DiagnosticItem topic_item(const std::string& topic, const TopicFigures& f) {
-  DiagnosticItem item{"topic " + topic};
-  item.message = "publishing";
-  if (f.loses)
-    item.set(Health::warn, "a subscriber of " + topic +
-                               " is too slow and loses messages; `rosnode info` names the subscribers, "
-                               "`rostopic bw` the load");
-  item.values = {{"Messages/s", fmt::format("{:.1f}", f.rate_hz)},
-                 {"Shortest gap of the last 10 s (ms)", ms(f.shortest_gap)},
-                 {"Longest gap of the last 10 s (ms)", ms(f.longest_gap)},
-                 {"Latency, median (ms)", ms(f.median_latency)},
-                 {"Latency, 99 of 100 (ms)", ms(f.p99_latency)},
-                 {"Latency, longest (ms)", ms(f.longest_latency)}};
-  item.add("Dropped before ROS", f.dropped);
-  item.add("Lost by slow subscribers", f.lost);
-  return item;
 }
 
 }  // namespace
@@ -336,7 +316,7 @@ void PublisherThread::add_diagnostics(std::vector<DiagnosticItem>& items, Stamp 
   for (const PublishedTopic* const output : outputs()) {
     if (!output->wanted || output == &tf_ || output == &clock_) continue;
     const TopicFigures figures = figures_of(*output, now);
-    if (figures.frames > 0) items.push_back(topic_item(output->topic, figures));
+    if (figures.frames > 0) items.push_back(topic_health(output->topic, figures));
   }
 }
 

@@ -4,7 +4,7 @@
 
 #include "daemon/health/pipeline_health.h"
 #include "daemon/pipeline/frame_tree.h"
-#include "daemon/pipeline/output.h"
+#include "daemon/pipeline/maker.h"
 #include "daemon/pipeline/pipeline.h"
 #include "test/support/recording_sink.h"
 #include "test/support/ros_samples.h"
