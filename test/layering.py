@@ -74,11 +74,6 @@ FORBIDDEN = {
 }
 ONLY_IN = {"yaml-cpp": ["daemon/config"], "pybind11/": ["daemon/python"], ROS: [room for room in ROOMS if room.startswith("daemon/ros")] + ["daemon/dropin", "daemon/commands"]}
 HEAVY_IN_HEADERS = "|".join([ROS, r"pcl/|spdlog"])
-# Files of one room that lead back to themselves through the others, a group a line; a .h and its .cpp count as one. No new
-# ones: what two files need of each other belongs into a third one.
-KNOWN_CIRCLES = {
-    "test/sim/devices/velodyne velodyne_head",
-}
 # Words that names and comments do not use, and what they say instead; a text in quotes may have them.
 WORDS = {
     "told|tells?|telling": "report, log, show",
@@ -169,27 +164,21 @@ def reached(start, uses):
 
 
 def circles(root):
-    """The groups of files of one room that include each other."""
+    """The groups of files of one folder that lead back to themselves through the others; a .h and its .cpp count as one."""
     uses = {}
-    for folder in FOLDERS:
+    for folder in ("core", "drivers", "daemon", "test"):
         for path in sorted((root / folder).rglob("*")):
-            name = str(path.relative_to(root))
-            if path.suffix not in (".h", ".cpp") or TESTS.search(name):
+            if path.suffix not in (".h", ".cpp"):
                 continue
-            unit = name.rpartition(".")[0]
+            unit = str(path.relative_to(root)).rpartition(".")[0]
             for found in filter(None, map(INCLUDE.match, path.read_text().splitlines())):
                 other = found.group(1).rpartition(".")[0]
                 if other != unit and other.rpartition("/")[0] == unit.rpartition("/")[0]:
                     uses.setdefault(unit, set()).add(other)
     ends = {unit: reached(unit, uses) for unit in uses}
     groups = {tuple(sorted(other for other in ends[unit] if unit in ends.get(other, ()))) for unit in uses if unit in ends[unit]}
-    return {group[0] + "".join(" " + unit.rpartition("/")[2] for unit in group[1:]) for group in groups}
-
-
-def circle_faults(root):
-    found = circles(root)
-    yield from (f"{group}: include each other in a circle; what they share belongs into a file of its own" for group in sorted(found - KNOWN_CIRCLES))
-    yield from (f"test/layering.py: the circle {group} is gone; so is its line" for group in sorted(KNOWN_CIRCLES - found))
+    for first, *others in sorted(groups):
+        yield f"{first} {' '.join(unit.rpartition('/')[2] for unit in others)}: include each other in a circle; what they share belongs into a file of its own"
 
 
 def missing_pages(root):
@@ -206,7 +195,7 @@ def main():
     checked = sum(1 for folder in FOLDERS for _ in (root / folder).rglob("*.cpp"))
     if checked == 0:
         sys.exit(f"no source file found below {root}")
-    found = list(violations(root)) + list(circle_faults(root)) + list(missing_pages(root))
+    found = list(violations(root)) + list(circles(root)) + list(missing_pages(root))
     print("\n".join(found) or f"{checked} source files keep to their rooms")
     sys.exit(1 if found else 0)
 

@@ -4,7 +4,9 @@
 
 #include <cstdint>
 
-#include "test/sim/devices/velodyne.h"
+#include "core/base/time.h"
+#include "test/sim/devices/velodyne_options.h"
+#include "test/sim/devices/velodyne_tables.h"
 #include "test/sim/world/rng.h"
 
 namespace lidard::sim {
