@@ -18,8 +18,9 @@ import rospy
 from faults import CABLE, MAY_BE_SECOND, MIDDLEWARE, NOT_TESTED
 from harness import (Clock, Starved, ask, daemon, expect, figure, free_port, item, level, process, run, scene_of, sim, wait_for, well,
                      write)
+from nav_msgs.msg import Odometry
 from network import Network, recorded
-from ros_tools import Diagnostics, ros_test
+from ros_tools import Diagnostics, Talker, ros_test, wall_scan
 from sensor_msgs.msg import Imu, LaserScan
 
 HOST = "192.168.1.100"
@@ -83,8 +84,8 @@ class Table:
         self.watch, self.failures, self.rows = watch, [], 0
 
     def check(self, faults, begun):
-        """`begun`: by key of the fault, when it began and what was starved since."""
-        for fault in faults:
+        """`begun`: by key of the fault, when it began and what was starved since; the other faults have their turn later."""
+        for fault in (one for one in faults if one.key in begun):
             since, starved = begun[fault.key]
             end = time.monotonic() + 10 + max(0, since + fault.seconds - time.monotonic())
             seen = lambda: [self.watch.first(place, fault, since) for place in PLACES]
@@ -223,9 +224,9 @@ def faults_of_cables(network, tmp, watch, table):
         lidars.start()
         start = began()
         with tested(config) as child:
-            present = [f for f in CABLE if f.key in ("taken", "absent", "twins", "unlike", "other", "shared", "misnamed", "dirty", "group", "no_odometry")]
-            table.check(present, {f.key: start for f in present})
+            table.check(CABLE, dict.fromkeys(("taken", "absent", "twins", "unlike", "other", "shared", "misnamed", "dirty", "group", "no_odometry"), start))
             check_commands(watch, "sensor other")
+            odometry_ends(table)
             well(*(f"sensor {name}" for name in ("front", "left", "right", "cut", "off", "bare", "lossy", "lossier", "broken")))
             time.sleep(7)  # one second without frames is a tenth of 10 s: silence is reported before
             cut_off(network, lidars, devices, table)
@@ -233,6 +234,14 @@ def faults_of_cables(network, tmp, watch, table):
             time.sleep(1)  # so that packets of all wait
             stop(child, table)
             lidars.ended.set()
+
+
+def odometry_ends(table):
+    odometry = Odometry(child_frame_id="base_link")
+    odometry.header.frame_id, odometry.pose.pose.orientation.w = "odom", 1
+    talker = Talker("/odom", odometry, 50)
+    wait_for(lambda: item("motion")["message"] == "poses come in", 10, "poses come in")
+    table.check(CABLE, {"odometry_ends": begin(talker.close)})
 
 
 def cut_off(network, lidars, devices, table):
@@ -244,8 +253,7 @@ def cut_off(network, lidars, devices, table):
         "refused": devices["right"].kill,
         "half_open": lambda: network.lidars("address", "delete", "192.168.1.10/24", "dev", "dev-lidar0"),
     }
-    begun = {key: begin(do) for key, do in faults.items()}
-    table.check([f for f in CABLE if f.key in begun], begun)
+    table.check(CABLE, {key: begin(do) for key, do in faults.items()})
 
 
 def spoil(lidars, table):
@@ -255,15 +263,14 @@ def spoil(lidars, table):
         lidars.streams[address][2] = change
     lidars.add("192.168.1.66", 2368)
     lidars.add("192.168.1.209", 2499)
-    keys = ("lossy", "lossier", "broken", "stranger", "elsewhere")
-    table.check([f for f in CABLE if f.key in keys], {key: start for key in keys})
+    table.check(CABLE, dict.fromkeys(("lossy", "lossier", "broken", "stranger", "elsewhere"), start))
 
 
 def stop(child, table):
     child.send_signal(signal.SIGSTOP)
     time.sleep(2.5)  # the buffer holds half a second
     child.send_signal(signal.SIGCONT)
-    table.check([f for f in CABLE if f.key == "stopped"], {"stopped": began()})
+    table.check(CABLE, {"stopped": began()})
 
 
 MIDDLEWARE_CONFIG = """\
@@ -278,12 +285,13 @@ sensors:
   odd: {{topic: /odd, pose: {{xyz: [0, 0, 0.3]}}}}
   bad: {{topic: /bad, pose: {{xyz: [0, 0, 0.3]}}}}
   lone: {{topic: /lone, pose: {{xyz: [0, 0, 0.3]}}}}
+  ahead: {{topic: /ahead, pose: {{xyz: [0, 0, 0.3]}}}}
 merged_scans:
   around: {{laserscan_topics: [left, right]}}
   bent: {{laserscan_topics: [left, crooked], profile: strict, range_max: 24}}
   far_off: {{laserscan_topics: [left, far], profile: strict, range_max: 24}}
   astray_mount: {{laserscan_topics: [left, reversed], profile: strict, range_max: 24}}
-  astray: {{laserscan_topics: [left, odd, bad, lone], destination_frame: nowhere}}
+  astray: {{laserscan_topics: [left, odd, bad, lone, ahead], destination_frame: nowhere}}
 virtual_scans:
   levels: {{cloud_topic: roof, virtual_laser_scan: [low], poses: {{low: {{xyz: [0, 0, 0.4]}}}}, beams: 720}}
 blackbox: {{seconds: 5, path: {tmp}/file/box}}
@@ -311,12 +319,14 @@ def start_sim(stack, tmp, name, sensors, ports):
 
 
 def publish_oddly(stop_it):
-    """A topic of another type than expected, and scans that cannot be right."""
+    """A topic of another type than expected, scans that cannot be right, and scans of a computer with another clock."""
     odd = rospy.Publisher("/odd", Imu, queue_size=1)
     bad = rospy.Publisher("/bad", LaserScan, queue_size=1)
+    ahead = Talker("/ahead", wall_scan("ahead", [4.0] * 300), offset=3600)
     while not stop_it.wait(0.1):
         odd.publish(Imu())
         bad.publish(LaserScan(angle_increment=0, ranges=[1.0] * 5))
+    ahead.close()
 
 
 def faults_of_middleware(tmp, watch, table, master):
@@ -325,7 +335,7 @@ def faults_of_middleware(tmp, watch, table, master):
     config, clock = write(tmp / "ros.yaml", good), Clock(tmp / "clock")
 
     def fault(key, do):
-        table.check([f for f in MIDDLEWARE if f.key == key], {key: begin(do)})
+        table.check(MIDDLEWARE, {key: begin(do)})
 
     def no_folder():
         shutil.rmtree(tmp / "file")
@@ -346,8 +356,7 @@ def faults_of_middleware(tmp, watch, table, master):
         start = began()
         (tmp / "state").write_text("no folder")  # nothing can be written there, as on a full disk
         child = stack.enter_context(tested(config, env=dict(clock.environment(), STATE_DIRECTORY=str(tmp / "state"))))
-        present = [f for f in MIDDLEWARE if f.key in ("wrong_type", "nobody", "unusable", "no_pose", "mount", "far_mount", "astray", "full_disk")]
-        table.check(present, {f.key: start for f in present})
+        table.check(MIDDLEWARE, dict.fromkeys(("wrong_type", "nobody", "unusable", "ahead", "no_pose", "mount", "far_mount", "astray", "full_disk"), start))
         check_commands(watch, "odd input")
         (tmp / "state").unlink()
         wait_for(lambda: level("configuration") == "OK", 15, "the configuration is kept once there is room")
@@ -356,8 +365,7 @@ def faults_of_middleware(tmp, watch, table, master):
         slow.send_signal(signal.SIGSTOP)
         standing = began()
         mortal.kill()
-        gone = began()
-        table.check([f for f in MIDDLEWARE if f.key in ("no_cloud", "no_source")], {"no_cloud": gone, "no_source": gone})
+        table.check(MIDDLEWARE, dict.fromkeys(("no_cloud", "no_source"), began()))
         fault("box", no_folder)
         fault("key", lambda: reload(good.replace("beams: 720", "beans: 720")))
         reload(good)
@@ -366,7 +374,7 @@ def faults_of_middleware(tmp, watch, table, master):
                                                          "ip_port: %d, calibration: nowhere.yaml, pose: {xyz: [0, 0, 2]}" % ports["roof"], 1)))
         reload(good)
         fault("clock", lambda: clock.set_by(1.5))
-        table.check([f for f in MIDDLEWARE if f.key == "slow"], {"slow": standing})
+        table.check(MIDDLEWARE, {"slow": standing})
         fault_of_master(fault, master)
 
 

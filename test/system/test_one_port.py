@@ -2,15 +2,14 @@
 # SPDX-FileCopyrightText: 2026 the lidard authors
 # SPDX-License-Identifier: BSD-3-Clause
 """Two safety scanners, two picoScans and a multiScan, whose datagrams are large, send to one UDP port; each is known by its
-sender, and a sixth that nobody configured is named on /diagnostics. The same live and in replay."""
-import rosbag
-from harness import daemon, expect, free_port, make_capture, run, sim, wait_for, write
+sender, and a sixth that nobody configured is named on /diagnostics."""
+from harness import daemon, expect, free_port, sim, wait_for, write
 from ros_tools import Diagnostics, Listener, ros_test
 from sensor_msgs.msg import LaserScan, PointCloud2
 
 SCENE = """\
 start: 2026-01-01T00:00:00Z
-duration: {duration}
+duration: 60
 sensors:
   left: {{model: sick_microscan3, from: '192.168.0.21:6060', to: '127.0.0.1:{port}', options: {{serial: 21}}}}
   right: {{model: sick_microscan3, from: '192.168.0.22:6060', to: '127.0.0.1:{port}', phase_ms: 11, options: {{serial: 22}}}}
@@ -24,18 +23,17 @@ objects:
 """
 CONFIG = """\
 sensors:
-  left: {{model: sick_microscan3, ip_address: {net}.168.0.21, ip_port: {port}}}
-  right: {{model: sick_microscan3, ip_address: {net}.168.0.22, ip_port: {port}}}
-  front: {{model: sick_picoscan150, ip_address: {net}.168.0.31, ip_port: {port}, listen_only: true}}
-  back: {{model: sick_picoscan150, ip_address: {net}.168.0.32, ip_port: {port}, listen_only: true}}
-  dome: {{model: sick_multiscan136, ip_address: {net}.168.0.33, ip_port: {port}, listen_only: true}}
+  left: {{model: sick_microscan3, ip_address: 127.168.0.21, ip_port: {port}}}
+  right: {{model: sick_microscan3, ip_address: 127.168.0.22, ip_port: {port}}}
+  front: {{model: sick_picoscan150, ip_address: 127.168.0.31, ip_port: {port}, listen_only: true}}
+  back: {{model: sick_picoscan150, ip_address: 127.168.0.32, ip_port: {port}, listen_only: true}}
+  dome: {{model: sick_multiscan136, ip_address: 127.168.0.33, ip_port: {port}, listen_only: true}}
 """
 SERIALS = {"left": "21", "right": "22", "front": "31", "back": "32", "dome": "33"}
-PERIODS = {"left": 0.03, "right": 0.03, "front": 0.05, "back": 0.05, "dome": 0.05}
 TOPICS = {name: f"/{name}/points" if name == "dome" else f"/{name}/scan" for name in SERIALS}
 
 
-def check_items(items, net):
+def check_items(items):
     """The newest status of each name: every sensor is itself, loses nothing, and the stranger is named."""
     for name, serial in SERIALS.items():
         item = items[f"sensor {name}"]
@@ -44,31 +42,15 @@ def check_items(items, net):
         expect(values["Lost packets"] == "0" and values["Incomplete telegrams"] == "0", f"{name}: {values}")
         expect(values["Rejected"] in ("0", "none", ""), f"{name}: rejected {values['Rejected']}")
     text = "\n".join(f"{item.name} {item.message} {[(v.key, v.value) for v in item.values]}" for item in items.values())
-    expect(f"{net}.168.0.99" in text, f"the stranger is not named in\n{text}")
-
-
-def replay(tmp):
-    config, bag = write(tmp / "replay.yaml", CONFIG.format(port=6060, net=192)), tmp / "five.bag"
-    capture = make_capture(tmp / "five", SCENE.format(port=6060, duration=2))
-    done = run("replay", "-c", config, "--pcap", capture, "--rate", "max", "--bag", bag)
-    expect(done.returncode == 0, done.stderr)
-    counts, items = {}, {}
-    with rosbag.Bag(str(bag)) as messages:
-        for topic, message, _ in messages.read_messages():
-            counts[topic] = counts.get(topic, 0) + 1
-            if topic == "/diagnostics":
-                items.update((status.name.split(": ")[-1], status) for status in message.status)
-    for name, period in PERIODS.items():
-        expect(abs(counts.get(TOPICS[name], 0) - 2 / period) <= 2, f"{counts.get(TOPICS[name])} frames of {name}")
-    check_items(items, 192)
+    expect("127.168.0.99" in text, f"the stranger is not named in\n{text}")
 
 
 def live(tmp):
     port = free_port()
-    scene = write(tmp / "live_scene.yaml", SCENE.format(port=port, duration=60))
+    scene = write(tmp / "live_scene.yaml", SCENE.format(port=port))
     got = {name: Listener(TOPICS[name], PointCloud2 if name == "dome" else LaserScan) for name in SERIALS}
     items = Diagnostics().items
-    with daemon(write(tmp / "live.yaml", CONFIG.format(port=port, net=127))):
+    with daemon(write(tmp / "live.yaml", CONFIG.format(port=port))):
         wait_for(lambda: "sensor left" in items, 20, "diagnostics")
         with sim(scene):
             wait_for(lambda: all(len(one.messages) > 60 for one in got.values()), 30, "frames of all five")
@@ -76,7 +58,7 @@ def live(tmp):
             # The kernel drops most of a stranger's packets unseen; a few of them are enough.
             wait_for(lambda: any("127.168.0.99" in item.message + str(item.values) for item in list(items.values())), 30,
                      "a status that names the stranger")
-            check_items(items, 127)
+            check_items(items)
     expect(all(cloud.width * cloud.height > 100 for cloud in got.pop("dome").messages), "clouds have points")
     for name, one in got.items():
         expect(len({len(scan.ranges) for scan in one.messages}) == 1, f"{name}: the number of beams changes")
@@ -84,7 +66,6 @@ def live(tmp):
 
 def main():
     with ros_test() as (tmp, _):
-        replay(tmp)
         live(tmp)
     print("ok")
 

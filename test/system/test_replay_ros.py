@@ -2,21 +2,21 @@
 # SPDX-FileCopyrightText: 2026 the lidard authors
 # SPDX-License-Identifier: BSD-3-Clause
 """A replay to ROS takes part in it like the running daemon: a scan that another node publishes is merged with that of the capture,
-odometry is used, and dynamic_reconfigure changes the scan while the capture plays. The other node lives by /clock."""
+turn rates and a speed are used, and dynamic_reconfigure changes the scan while the capture plays. The other node lives by /clock."""
 import math
 import re
 import signal
 
 import dynamic_reconfigure.client
 import rospy
+from geometry_msgs.msg import TwistStamped
 from harness import LIDARD, SCANNER_SCENE, expect, expect_end, logged, make_capture, wait_for, write
-from nav_msgs.msg import Odometry
 from ros_tools import Diagnostics, Listener, ros_test, wall_scan
 from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import LaserScan
+from sensor_msgs.msg import Imu, LaserScan
 
 CONFIG = """\
-vehicle: {odometry_topic: /odom}
+vehicle: {imu_topic: /imu, speed_topic: /speed}
 sensors:
   front: {model: sick_microscan3, ip_address: 192.168.0.21, ip_port: 6060, pose: {xyz: [0, 0, 0.35]}}
   side: {topic: /side/scan, pose: {xyz: [0, 0, 0.35], rpy_deg: [0, 0, 180]}}
@@ -26,10 +26,11 @@ merged_scans:
 
 
 class Vehicle:
-    """A node that publishes a scanner's wall 3 m to the left behind and the odometry, stamped by the clock of the replay."""
+    """A node that publishes a scanner's wall 3 m to the left behind and how it moves, stamped by the clock of the replay."""
 
     def __init__(self):
-        self.odometry = rospy.Publisher("/odom", Odometry, queue_size=100)
+        self.rates = rospy.Publisher("/imu", Imu, queue_size=100)
+        self.speed = rospy.Publisher("/speed", TwistStamped, queue_size=100)
         self.scans = rospy.Publisher("/side/scan", LaserScan, queue_size=100)
         self.reported = self.scanned = rospy.Time()
         self.begin = self.now = None
@@ -40,11 +41,12 @@ class Vehicle:
         self.begin = self.begin or self.now
         if (self.now - self.reported).to_sec() >= 0.02:
             self.reported = self.now
-            pose = Odometry()
+            rates, ahead = Imu(), TwistStamped()
             # A little ahead, so that no scan waits for it.
-            pose.header.stamp = self.now + rospy.Duration.from_sec(0.1)
-            pose.header.frame_id, pose.child_frame_id, pose.pose.pose.orientation.w = "odom", "base_link", 1
-            self.odometry.publish(pose)
+            rates.header.stamp = ahead.header.stamp = self.now + rospy.Duration.from_sec(0.1)
+            rates.header.frame_id, rates.angular_velocity.z, ahead.twist.linear.x = "base_link", 0.3, 1.5
+            self.rates.publish(rates)
+            self.speed.publish(ahead)
         if (self.now - self.scanned).to_sec() >= 0.05:
             self.scanned = self.now
             scan = wall_scan("whatever", [3.0] * 100)

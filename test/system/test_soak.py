@@ -3,7 +3,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A vehicle's day in short: eight lidars over a cable, and again and again bursts of losses, duplicates and exchanged packets, a cable
 that is unplugged, a ROS master that is restarted, reloads of the configuration and steps of the host's clock. Memory and
-descriptors do not grow, every lost packet is counted, every fault is an event once.
+descriptors do not grow, also with a black box, every lost packet is counted, every fault is an event once.
 
     test_soak.py [SECONDS]     default 30; 1800 for a release; with LIDARD, LIDARD_SIM, LIDARD_SOURCE_DIR and LIDARD_CLOCK_SHIM set
                                as ctest does
@@ -27,6 +27,7 @@ CONFIG = lidars.CONFIG + "".join(
 CONFIG = CONFIG.replace("}\n", ", pose: {xyz: [0, 0, 1]}}\n") + """\
 merged_scans:
   around: {laserscan_topics: [front, back, low], range_max: 30}
+blackbox: {seconds: 4, megabytes: 8}
 """
 OTHER = "virtual_scans:\n  levels: {cloud_topic: rear, virtual_laser_scan: [rear], range_max: 30}\n"
 LOST = {"bursts": 20, "every": 500}
@@ -172,7 +173,7 @@ def main():
         vehicle = Vehicle(network, tmp)
         use_master_at(vehicle.port)
         roof, starved = Roof(network, tmp), Starved()
-        with daemon(vehicle.file, env=vehicle.clock.environment()) as child:
+        with daemon(vehicle.file, env=dict(vehicle.clock.environment(), STATE_DIRECTORY=str(tmp / "state"))) as child:
             vehicle.start_lidars(seconds + 600)
             roof.thread.start()
             begin, rounds, warm = time.monotonic(), 0, None

@@ -7,16 +7,13 @@ import signal
 import socket
 import struct
 import subprocess
-import threading
 import xml.etree.ElementTree
 
 import dynamic_reconfigure.client
 import rospy
-from geometry_msgs.msg import TransformStamped
 from harness import ROOT, expect, expect_end, folder, free_port, logged, named_program, ros_master, send_for_ever, use_master_at, wait_for
 from ros_tools import set_parameters
 from sensor_msgs.msg import LaserScan, PointCloud2
-from tf2_msgs.msg import TFMessage
 
 DEMO = str(ROOT / "pcaps/demo.pcap")
 # Of a capture that is played again and again.
@@ -101,55 +98,6 @@ def reconfigure(program, port, parameters, tmp):
         server.close()
 
 
-SPEED = 1000.0  # m/s; the room of the capture, 50 m wide, passes by within half a revolution
-MOUNT = 2.0  # m, of the lidar above base_link
-
-
-def publish_way(begin, stop):
-    """base_link drives along x of odom; 50 poses per second."""
-    tf = rospy.Publisher("/tf", TFMessage, queue_size=100)
-    mount, step = TransformStamped(), TransformStamped()
-    mount.header.frame_id, mount.child_frame_id, mount.transform.translation.z = "base_link", "roof", MOUNT
-    step.header.frame_id, step.child_frame_id = "odom", "base_link"
-    mount.transform.rotation.w = step.transform.rotation.w = 1
-    while not stop.wait(0.02):
-        mount.header.stamp = step.header.stamp = rospy.Time.now()
-        step.transform.translation.x = SPEED * (step.header.stamp.to_sec() - begin)
-        tf.publish(TFMessage([mount, step]))
-
-
-def is_in_place(cloud, frame, begin):
-    """True if each return is where the room was when the return was measured, in the frame that the message names."""
-    if cloud.header.frame_id != frame:
-        return False
-    for point in range(0, cloud.width * cloud.height, 37):
-        x, y, z, _, _, time = struct.unpack_from("<ffffHf", cloud.data, point * 22)
-        stamp = cloud.header.stamp.to_sec()
-        moved = SPEED * (stamp + time - (begin if frame == "odom" else stamp))
-        if not (abs(x - moved) < 30 and abs(y) < 30 and -0.5 < z < 7):
-            return False
-    return cloud.width > 1000
-
-
-def frames(program, port, parameters, tmp):
-    """fixed_frame and target_frame, as velodyne_pointcloud has them, with a real tf."""
-    stop, begin = threading.Event(), rospy.Time.now().to_sec()
-    publisher = threading.Thread(target=publish_way, args=(begin, stop))
-    publisher.start()
-    try:
-        for name, frame, given in (("a", "odom", {"fixed_frame": "odom"}),
-                                   ("b", "base_link", {"fixed_frame": "odom", "target_frame": "base_link"})):
-            topics = Topics("/" + name)
-            set_parameters(port, f"/{name}/velodyne", {**parameters, **given, **PLAYED})
-            with logged([program, "__name:=velodyne", f"__ns:=/{name}"], tmp / f"{name}.txt") as node:
-                # On a starved machine poses may be late, and single clouds are not deskewed.
-                wait_for(lambda: sum(is_in_place(cloud, frame, begin) for cloud in topics.clouds) >= 5, 40,
-                         f"clouds in {frame}:\n" + node.said())
-    finally:
-        stop.set()
-        publisher.join()
-
-
 PARAMETERS = {"model": "VLP16", "frame_id": "roof", "rpm": 600.0, "min_range": 1.0, "max_range": 130.0, "laserscan_ring": -1,
               "laserscan_resolution": 0.007, "cut_angle": -0.01, "timestamp_first_packet": False, "device_ip": "", "pcap": "",
               "calibration": ""}
@@ -208,7 +156,6 @@ def main():
             rospy.init_node("listener", disable_signals=True, anonymous=True)
             live(program, port, data, tmp)
             reconfigure(program, port, {**PARAMETERS, "port": data}, tmp)
-            frames(program, port, {**PARAMETERS, "port": data}, tmp)
             played(program, port, tmp)
             refusals(program, port)
     print("ok")
