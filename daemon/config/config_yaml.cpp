@@ -19,7 +19,7 @@ void warn_of_unused(const Mapping& root, Reading& reading) {
   for (const auto& [name, entry] : root.find("sensors")->entries()) {
     const SensorConfig* const sensor = find_sensor(reading.sensors, name);
     if (sensor->model == nullptr && !reading.claims.is_used(name))
-      reading.warn(entry.key_place(), entry.path() + " is used by no merged and no virtual scan");
+      reading.warn(entry.key_location(), entry.path() + " is used by no merged and no virtual scan");
   }
 }
 

@@ -26,10 +26,10 @@ FrameKind kind_called(const Value& value, const Reading& reading) {
 void check_merged_cloud(const Mapping& yaml, const SourceList& list, MergedCloudConfig& merged,
                         Reading& reading) {
   check_destination(yaml, merged.destination_frame, merged.destination_pose, reading);
-  const Value& place = yaml.where("destination_topic");
+  const Value& topic = yaml.where("destination_topic");
   if (find_sensor(reading.sensors, merged.destination_topic) != nullptr)
-    place.fail("is the name of a sensor too", "a topic of its own");
-  reading.claims.publishes(merged.destination_topic, yaml.self().path(), place);
+    topic.fail("is the name of a sensor too", "a topic of its own");
+  reading.claims.publishes(merged.destination_topic, yaml.self().path(), topic);
   check_schedule(yaml, list, merged.schedule);
 }
 

@@ -78,8 +78,8 @@ void read_source_settings(const Mapping& yaml, const SourceList& list, Merged& m
   const Mapping entries = known_mapping(*section, names, mistakes);
   std::set<std::string> set_up;
   for (const auto& [name, entry] : entries.entries()) {
-    const auto place = static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
-    const std::string& source = sources[place % sources.size()];
+    const auto index = static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
+    const std::string& source = sources[index % sources.size()];
     mistakes.attempt([&, &entry = entry] {
       if (!set_up.insert(source).second)
         entry.fail_at_key("is " + source + ", which has settings already", "one entry for each source");
@@ -135,7 +135,7 @@ void refuse_flat_sources(const SourceList& sources, const Merged& merged) {
 
 void warn_without_footprint(const Mapping& yaml, const Merged& merged, Reading& reading) {
   if (!merged.has_visibility() || !reading.vehicle.footprint.empty()) return;
-  reading.warn(yaml.where("profile").place(),
+  reading.warn(yaml.where("profile").location(),
                yaml.self().path() +
                    " is to say what is observed, but vehicle.footprint is not set: where the vehicle hides "
                    "the way from " +

@@ -45,26 +45,26 @@ Keys<ScanGridSpec> grid_keys() {
 }
 
 /// The key that a message about the grid refers to: the first one in the message that is in the file.
-const Value& place_of_complaint(const std::string& complaint, const Mapping& yaml) {
-  const Value* place = &yaml.self();
+const Value& value_complained_of(const std::string& complaint, const Mapping& yaml) {
+  const Value* value = &yaml.self();
   std::size_t earliest = std::string::npos;
   for (const Key& key : output_keys()) {
     const std::size_t mentioned = complaint.find(key.name);
     if (!yaml.has(key.name) || mentioned >= earliest) continue;
     earliest = mentioned;
-    place = &yaml.where(key.name);
+    value = &yaml.where(key.name);
   }
-  return *place;
+  return *value;
 }
 
 void check_grid(const ScanGridSpec& spec, const Mapping& yaml, Reading& reading) {
   const auto grid = make_grid(spec);
   const std::string path = yaml.self().path();
   if (!grid) {
-    throw ConfigError(place_of_complaint(grid.reason(), yaml).place(), path + ": " + grid.reason());
+    throw ConfigError(value_complained_of(grid.reason(), yaml).location(), path + ": " + grid.reason());
   }
   if (grid->beams < gmapping_beam_limit) return;
-  reading.warn(yaml.where_first({"beams", "angle_increment"}).place(),
+  reading.warn(yaml.where_first({"beams", "angle_increment"}).location(),
                path + " has " + std::to_string(grid->beams) + " beams; gmapping needs fewer than " +
                    std::to_string(gmapping_beam_limit) +
                    ": set beams lower where gmapping is to use the scan");

@@ -27,11 +27,11 @@ struct Remarks {
   /// Adds them in the order of the file.
   void add_to(std::vector<std::string>& warnings) {
     const auto line = [](const auto& one) {
-      return std::pair(one.first.key_place().line, one.first.key_place().column);
+      return std::pair(one.first.key_location().line, one.first.key_location().column);
     };
     std::stable_sort(all.begin(), all.end(), [&](const auto& a, const auto& b) { return line(a) < line(b); });
     for (const auto& [key, sentence] : all)
-      warnings.push_back(key.key_place().to_string() + ": " + key.path() + " " + sentence);
+      warnings.push_back(key.key_location().to_string() + ": " + key.path() + " " + sentence);
   }
 
   Value entry(const char* section, const std::string& name) const {
@@ -77,8 +77,8 @@ void question_footprint(Remarks& remarks) {
 }
 
 /// `at`: in base_frame; `lowest` and `farthest_outside`: limits, m.
-void question_place(Remarks& remarks, const Value& entry, const std::string& key, const Eigen::Vector3d& at,
-                    double lowest, double farthest_outside) {
+void question_position(Remarks& remarks, const Value& entry, const std::string& key,
+                       const Eigen::Vector3d& at, double lowest, double farthest_outside) {
   const Value pose = value_at(entry, key);
   if (pose.path() == entry.path()) return;
   const double distance = outside(remarks.config, at);
@@ -91,19 +91,19 @@ void question_place(Remarks& remarks, const Value& entry, const std::string& key
     remarks.add(pose, fmt::format("is {:.1f} m outside of vehicle.footprint; correct one of them", distance));
 }
 
-void question_places(Remarks& remarks) {
+void question_positions(Remarks& remarks) {
   // base_frame may lie above the ground, at an axle; base_footprint lies there.
   constexpr double lowest = -0.3;
   const Config& config = remarks.config;
   for (const SensorConfig& sensor : config.sensors) {
     if (sensor.pose)
-      question_place(remarks, remarks.entry("sensors", sensor.name), "pose", sensor.pose->translation(),
-                     lowest, 2);
+      question_position(remarks, remarks.entry("sensors", sensor.name), "pose", sensor.pose->translation(),
+                        lowest, 2);
   }
   const auto question_destination = [&](const char* section, const auto& merged) {
     if (merged.destination_pose)
-      question_place(remarks, remarks.entry(section, merged.name), "destination_pose",
-                     merged.destination_pose->translation(), -near_m, near_m);
+      question_position(remarks, remarks.entry(section, merged.name), "destination_pose",
+                        merged.destination_pose->translation(), -near_m, near_m);
   };
   for (const MergedScanConfig& merged : config.merged_scans) question_destination("merged_scans", merged);
   for (const MergedCloudConfig& merged : config.merged_clouds) question_destination("merged_clouds", merged);
@@ -115,7 +115,7 @@ void question_places(Remarks& remarks) {
     }
     const Value poses = value_at(remarks.entry("virtual_scans", group.name), "poses");
     for (const auto& [frame, pose] : group.poses) {
-      if (base) question_place(remarks, poses, frame, *base * pose.translation(), lowest, 10);
+      if (base) question_position(remarks, poses, frame, *base * pose.translation(), lowest, 10);
     }
   }
 }
@@ -322,7 +322,7 @@ void question_network(Remarks& remarks, std::vector<std::string>& host_remarks) 
     const auto& receiver = sensor.driver.requests.host_address;
     const auto remark_on_host = [&](const char* key, const std::string& sentence) {
       const Value value = value_at(entry, key);
-      host_remarks.push_back(value.key_place().to_string() + ": " + value.path() + " " + sentence);
+      host_remarks.push_back(value.key_location().to_string() + ": " + value.path() + " " + sentence);
     };
     if (receiver && *receiver != nobody && !receiver->is_multicast() && !is_own(*receiver))
       remark_on_host("udp_receiver_ip", "is " + receiver->to_string() +
@@ -357,7 +357,7 @@ void question_calibrations(Remarks& remarks) {
 
 void add_remarks(const Value& root, Config& config) {
   Remarks remarks{config, root};
-  for (const auto question : {question_footprint, question_places, question_twins, question_tilt,
+  for (const auto question : {question_footprint, question_positions, question_twins, question_tilt,
                               question_heights, question_windows, question_rates, question_calibrations})
     question(remarks);
   question_network(remarks, config.host_remarks);

@@ -71,9 +71,9 @@ void claim_topics(const Mapping& yaml, const Virtual& scan, Reading& reading) {
     const Value& topic = yaml.where("output_laser_topic");
     reading.claims.publishes(scan.output_laser_topic, owner, topic);
     if (scan.virtual_laser_scan.size() > 1)
-      reading.warn(topic.place(), topic.path() + " carries scans of " +
-                                      std::to_string(scan.virtual_laser_scan.size()) +
-                                      " frames; leave it empty for one topic per frame");
+      reading.warn(topic.location(), topic.path() + " carries scans of " +
+                                         std::to_string(scan.virtual_laser_scan.size()) +
+                                         " frames; leave it empty for one topic per frame");
   }
   for (const AlsoScanConfig& also : scan.also) {
     const Mapping section = yaml.inside("also");

@@ -58,7 +58,7 @@ class Forecast {
     return false;
   }
   void add(const Value& entry, const std::string& sentence) {
-    sentences_.push_back(entry.key_place().to_string() + ": " + entry.path() + ": " + sentence);
+    sentences_.push_back(entry.key_location().to_string() + ": " + entry.path() + ": " + sentence);
   }
   /// `unknown`: frames without configured pose; `lost`: the complete output needs them.
   void check_poses(const Value& entry, const std::set<std::string>& unknown, bool lost) {

@@ -86,7 +86,7 @@ void check_control(const Mapping& yaml, const std::optional<IpAddress>& address,
     yaml.where("fov_end_deg").fail("is fov_start_deg too", "0 and 360 for all, in whole degrees");
   if (control.wanted.host_port && *control.wanted.host_port != control.data_port) {
     const Value& port = yaml.where("host_port");
-    warnings.push_back(port.place().to_string() + ": " + port.path() +
+    warnings.push_back(port.location().to_string() + ": " + port.path() +
                        " makes the sensor send to a port that is not its ip_port, " +
                        std::to_string(control.data_port) + ": its data will not arrive here");
   }
