@@ -23,8 +23,7 @@ struct MergedCloudConfig {
   MissingMotion on_missing_motion = MissingMotion::stand;
 };
 
-const Keys<MergedCloudConfig>& merged_cloud_keys();
-inline bool applies(const Key& key, const MergedCloudConfig& merged) { return applies(key, merged.schedule); }
+Keys merged_cloud_keys(MergedCloudConfig& merged);
 void read_merged_clouds(const Mapping& root, Reading& reading);
 
 }  // namespace lidard
