@@ -11,7 +11,7 @@
 
 #include "core/base/angle.h"
 #include "core/mounts/seen_motion.h"
-#include "daemon/config/pose_edit.h"
+#include "daemon/commands/mount_edit.h"
 #include "daemon/config/yaml.h"
 #include "daemon/files/snapshot_view.h"
 #include "daemon/files/text_file.h"
