@@ -7,7 +7,6 @@
 
 #include "daemon/config/config.h"
 #include "daemon/config/reading.h"
-#include "daemon/config/remarks.h"
 #include "daemon/config/rows.h"
 #include "daemon/config/values.h"
 #include "daemon/config/yaml.h"
@@ -60,6 +59,7 @@ void write_named(YAML::Emitter& yaml, const char* section, Keys (*keys)(Entry&),
 Config parse_config(const std::string& text, const std::string& name) {
   Config config;
   config.file = name;
+  config.text = text;
   Reading reading{config.file,    config.warnings,      config.vehicle,
                   config.sensors, config.merged_clouds, config.virtual_scans};
   const Value file = parse_yaml(text, name);
@@ -75,7 +75,6 @@ Config parse_config(const std::string& text, const std::string& name) {
   mistakes.attempt([&] { read_black_box(root, config.black_box); });
   mistakes.throw_if_any();
   warn_of_unused(root, reading);
-  add_remarks(file, config);
   return config;
 }
 

@@ -79,15 +79,6 @@ void check_vehicle(const Mapping& yaml, const VehicleConfig& vehicle, ConfigClai
 
 }  // namespace
 
-double distance_to(const std::vector<Point>& footprint, const Point& point) {
-  if (footprint.empty()) return 0;
-  Outline outline;
-  for (const Point& vertex : footprint)
-    geometry::append(outline, Outline::point_type(vertex.x(), vertex.y()));
-  geometry::correct(outline);
-  return geometry::distance(Outline::point_type(point.x(), point.y()), outline);
-}
-
 Keys vehicle_keys(VehicleConfig& vehicle) {
   using namespace keys;
   return {

@@ -28,7 +28,5 @@ struct VehicleConfig {
 Keys vehicle_keys(VehicleConfig& vehicle);
 /// Reads the section; `reading` sees every name it gives away.
 void read_vehicle(const Mapping& root, Reading& reading);
-/// m from a point to a footprint; 0: inside, or there is none.
-double distance_to(const std::vector<Eigen::Vector2d>& footprint, const Eigen::Vector2d& point);
 
 }  // namespace lidard

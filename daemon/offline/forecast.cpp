@@ -21,9 +21,12 @@ constexpr double unknown_reach = std::numeric_limits<double>::infinity();
 /// that can never come.
 class Forecast {
  public:
-  /// `text`: the source of `config`; `sights`: what its outputs can know.
-  Forecast(const Config& config, const std::string& text, const std::vector<FieldSight>& sights)
-      : config_(config), root_(parse_yaml(text, config.file)), sights_(sights), poses_(config, no_tf_) {}
+  /// `sights`: what its outputs can know.
+  Forecast(const Config& config, const std::vector<FieldSight>& sights)
+      : config_(config),
+        root_(parse_yaml(config.text, config.file)),
+        sights_(sights),
+        poses_(config, no_tf_) {}
 
   /// Each sentence begins with `file:line:column`.
   std::vector<std::string> all() {
@@ -205,9 +208,8 @@ class Forecast {
 
 }  // namespace
 
-std::vector<std::string> forecast(const Config& config, const std::string& text,
-                                  const std::vector<FieldSight>& sights) {
-  return Forecast(config, text, sights).all();
+std::vector<std::string> forecast(const Config& config, const std::vector<FieldSight>& sights) {
+  return Forecast(config, sights).all();
 }
 
 }  // namespace lidard
