@@ -343,14 +343,14 @@ std::string mistake_in(const CLI::App& app, const std::vector<std::string>& give
   for (const CLI::Option* option : chosen.front()->get_options()) {
     for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
   }
-  const std::string place = " " + chosen.front()->get_name() + ": ";
+  const std::string command = " " + chosen.front()->get_name() + ": ";
   for (std::string word : given) {
     word = word.substr(0, word.find('='));
     const bool is_long = word.compare(0, 2, "--") == 0 && word.size() > 2;
     if (is_long && std::find(known.begin(), known.end(), word) == known.end())
-      return fmt::format("{}no option {}{}", place, word, did_you_mean(word, known));
+      return fmt::format("{}no option {}{}", command, word, did_you_mean(word, known));
   }
-  return place + otherwise;
+  return command + otherwise;
 }
 
 /// `lidard help CMD` is `lidard CMD --help`.

@@ -29,7 +29,7 @@ constexpr const char* calibration_files = "a calibration of velodyne_pointcloud 
 /// Reads the calibration of a Velodyne: a YAML file of velodyne_pointcloud, which `parse_yaml` parses, or the
 /// db.xml of the sensor or of VeloView, recognized by the content. `name` stands for the file in messages.
 /// Throws ConfigError `file:line:column: what; expected …` (for XML without a column). Appends warnings with
-/// their places to `warnings`. The model of the result is `ros_drivers`.
+/// their locations to `warnings`. The model of the result is `ros_drivers`.
 Calibration parse_calibration(const std::string& text, const std::string& name, DocumentParser parse_yaml,
                               std::vector<std::string>& warnings);
 

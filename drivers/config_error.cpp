@@ -12,13 +12,13 @@ constexpr std::size_t most_reported = 20;
 
 std::string text_of(std::vector<ConfigError::Mistake> mistakes) {
   std::stable_sort(mistakes.begin(), mistakes.end(), [](const auto& a, const auto& b) {
-    return std::tie(a.place.line, a.place.column) < std::tie(b.place.line, b.place.column);
+    return std::tie(a.location.line, a.location.column) < std::tie(b.location.line, b.location.column);
   });
   std::string all;
   for (std::size_t i = 0; i < std::min(mistakes.size(), most_reported); ++i)
     all += (i == 0 ? "" : "\n") + mistakes[i].text;
   if (mistakes.size() > most_reported)
-    all += "\n" + mistakes[0].place.file + ": " + std::to_string(mistakes.size() - most_reported) +
+    all += "\n" + mistakes[0].location.file + ": " + std::to_string(mistakes.size() - most_reported) +
            " more mistakes; expected these to be corrected first";
   return all;
 }

@@ -9,8 +9,8 @@
 
 namespace lidard {
 
-/// A place in a file; line and column count from 1.
-struct Place {
+/// A location in a file; line and column count from 1.
+struct Location {
   std::string file;
   int line = 1;
   int column = 1;
@@ -23,12 +23,12 @@ struct Place {
 class ConfigError : public std::runtime_error {
  public:
   struct Mistake {
-    Place place;
-    std::string text;  ///< with the place
+    Location location;
+    std::string text;  ///< with the location
   };
   explicit ConfigError(const std::string& text) : ConfigError(std::vector<Mistake>{{{}, text}}) {}
-  ConfigError(const Place& place, const std::string& what)
-      : ConfigError(std::vector<Mistake>{{place, place.to_string() + ": " + what}}) {}
+  ConfigError(const Location& location, const std::string& what)
+      : ConfigError(std::vector<Mistake>{{location, location.to_string() + ": " + what}}) {}
   /// At most 20 lines, in the order of the file. None at all: what fails because of a mistake that is
   /// reported elsewhere.
   explicit ConfigError(std::vector<Mistake> mistakes);

@@ -38,26 +38,26 @@ std::optional<bool> truth_of(std::string_view word) {
   return std::nullopt;
 }
 
-[[noreturn]] void fail_at(const Place& place, const std::string& what, const std::string& expected) {
-  throw ConfigError(place, what + "; expected " + expected);
+[[noreturn]] void fail_at(const Location& location, const std::string& what, const std::string& expected) {
+  throw ConfigError(location, what + "; expected " + expected);
 }
 
-Place place_of(const DocumentNode& node, const Place& otherwise) {
-  return node.line == 0 ? otherwise : Place{otherwise.file, node.line, node.column};
+Location location_of(const DocumentNode& node, const Location& otherwise) {
+  return node.line == 0 ? otherwise : Location{otherwise.file, node.line, node.column};
 }
 
 bool is_name(const DocumentNode& key) { return key.kind == DocumentNode::Kind::text && !key.text.empty(); }
 
 /// Rejects keys that are not plain text or repeated; `seen` has the earlier keys.
-void check_key(const DocumentNode& key, const Place& place, const Value& parent, const std::string& prefix,
-               std::map<std::string, Place>& seen) {
+void check_key(const DocumentNode& key, const Location& location, const Value& parent,
+               const std::string& prefix, std::map<std::string, Location>& seen) {
   if (!is_name(key))
-    fail_at(place, "a key of " + (prefix.empty() ? "the file" : parent.path()) + " is not a name",
+    fail_at(location, "a key of " + (prefix.empty() ? "the file" : parent.path()) + " is not a name",
             "a name before the colon");
-  const auto [earlier, is_new] = seen.emplace(key.text, place);
+  const auto [earlier, is_new] = seen.emplace(key.text, location);
   if (!is_new)
     fail_at(
-        place,
+        location,
         prefix + shorten(key.text) + " is given twice, first in line " + std::to_string(earlier->second.line),
         "it once");
 }
@@ -75,18 +75,18 @@ std::string printable(std::string text) {
   return text;
 }
 
-Value::Value(DocumentNode::Ptr node, Place place, Place key_place, std::string path)
+Value::Value(DocumentNode::Ptr node, Location location, Location key_location, std::string path)
     : node_(std::move(node)),
-      place_(std::move(place)),
-      key_place_(std::move(key_place)),
+      location_(std::move(location)),
+      key_location_(std::move(key_location)),
       path_(std::move(path)) {}
 
 void Value::fail(const std::string& what, const std::string& expected) const {
-  fail_at(place_, (path_.empty() ? "the file" : path_) + " " + what, expected);
+  fail_at(location_, (path_.empty() ? "the file" : path_) + " " + what, expected);
 }
 
 void Value::fail_at_key(const std::string& what, const std::string& expected) const {
-  fail_at(key_place_, (path_.empty() ? "the file" : path_) + " " + what, expected);
+  fail_at(key_location_, (path_.empty() ? "the file" : path_) + " " + what, expected);
 }
 
 std::string Value::quoted() const {
@@ -170,8 +170,8 @@ std::vector<Value> Value::names(const std::string& expected) const {
 }
 
 Value Value::element(DocumentNode::Ptr node, std::size_t index) const {
-  const Place place = place_of(*node, place_);
-  return {std::move(node), place, place, path_ + "[" + std::to_string(index) + "]"};
+  const Location location = location_of(*node, location_);
+  return {std::move(node), location, location, path_ + "[" + std::to_string(index) + "]"};
 }
 
 std::vector<DocumentNode::Ptr> Value::with_merged(const DocumentNode::Ptr& map, std::size_t& count) const {
@@ -182,11 +182,11 @@ std::vector<DocumentNode::Ptr> Value::with_merged(const DocumentNode::Ptr& map, 
     if (!is_merge(*key)) continue;
     const bool is_list = value->kind == DocumentNode::Kind::list;
     for (const auto& source : is_list ? value->items : std::vector<DocumentNode::Ptr>{value}) {
-      const Place place = place_of(*key, place_);
+      const Location location = location_of(*key, location_);
       const std::string path = (path_.empty() ? "" : path_ + ".") + "<<";
       if (source->kind != DocumentNode::Kind::map)
-        fail_at(place, path + " merges what is no mapping", expected);
-      if (++count > most) fail_at(place, path + " merges more than 100 mappings", expected);
+        fail_at(location, path + " merges what is no mapping", expected);
+      if (++count > most) fail_at(location, path + " merges more than 100 mappings", expected);
       for (auto& inner : with_merged(source, count)) all.push_back(std::move(inner));
     }
   }
@@ -198,23 +198,23 @@ std::vector<std::pair<std::string, Value>> Value::entries(Mistakes* mistakes) co
   if (is_null()) return entries;
   if (!is_map()) fail("is " + quoted(), "a mapping (`key: value` lines)");
   const std::string prefix = path_.empty() ? "" : path_ + ".";
-  std::map<std::string, Place> seen;
+  std::map<std::string, Location> seen;
   std::size_t merged = 0;
   Mistakes own;
   Mistakes& all = mistakes != nullptr ? *mistakes : own;
   for (const auto& map : with_merged(node_, merged)) {
     // Nearer keys override merged ones; a repeated key is a mistake only within one mapping.
-    const std::map<std::string, Place> nearer = seen;
+    const std::map<std::string, Location> nearer = seen;
     for (const auto& entry : map->entries) {
       const DocumentNode& key = *entry.first;
       const bool is_text = key.kind == DocumentNode::Kind::text;
       if (is_merge(key) || (is_text && nearer.count(key.text) != 0)) continue;
-      const Place key_place = place_of(key, key_place_);
-      if (!all.attempt([&] { check_key(key, key_place, *this, prefix, seen); })) continue;
-      // The parser gives a missing value the place of the next token.
+      const Location key_location = location_of(key, key_location_);
+      if (!all.attempt([&] { check_key(key, key_location, *this, prefix, seen); })) continue;
+      // The parser gives a missing value the location of the next token.
       const bool is_missing = entry.second->kind == DocumentNode::Kind::null;
-      const Place place = is_missing ? key_place : place_of(*entry.second, key_place);
-      entries.emplace_back(key.text, Value(entry.second, place, key_place, prefix + shorten(key.text)));
+      const Location location = is_missing ? key_location : location_of(*entry.second, key_location);
+      entries.emplace_back(key.text, Value(entry.second, location, key_location, prefix + shorten(key.text)));
     }
   }
   own.throw_if_any();

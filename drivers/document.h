@@ -20,7 +20,7 @@ namespace lidard {
 constexpr double most_turn_rad = 6.284;
 
 /// A value of a file as its parser made it: nothing, a text, a list or a mapping. A value may be used at
-/// several places of a file, but never inside of itself.
+/// several locations of a file, but never inside of itself.
 struct DocumentNode {
   enum class Kind : std::uint8_t { null, text, list, map };
   using Ptr = std::shared_ptr<const DocumentNode>;
@@ -34,19 +34,19 @@ struct DocumentNode {
 /// Text from elsewhere on one line: control characters become question marks.
 std::string printable(std::string text);
 
-/// A value of a file with its place and path. Every reader throws ConfigError `file:line:column: what;
+/// A value of a file with its location and path. Every reader throws ConfigError `file:line:column: what;
 /// expected …`.
 class Value {
  public:
-  Value(DocumentNode::Ptr node, Place place, Place key_place, std::string path);
+  Value(DocumentNode::Ptr node, Location location, Location key_location, std::string path);
 
   /// Where the value begins.
-  const Place& place() const { return place_; }
+  const Location& location() const { return location_; }
   /// Where its key begins, or the value if it has no key.
-  const Place& key_place() const { return key_place_; }
+  const Location& key_location() const { return key_location_; }
   /// Its path from the top of the file, "sensors.roof.ip_port".
   const std::string& path() const { return path_; }
-  /// Throws "place: path what; expected …".
+  /// Throws "location: path what; expected …".
   [[noreturn]] void fail(const std::string& what, const std::string& expected) const;
   /// The same at the key, if the value must not be there.
   [[noreturn]] void fail_at_key(const std::string& what, const std::string& expected) const;
@@ -88,8 +88,8 @@ class Value {
   std::vector<DocumentNode::Ptr> with_merged(const DocumentNode::Ptr& map, std::size_t& count) const;
 
   DocumentNode::Ptr node_;
-  Place place_;
-  Place key_place_;
+  Location location_;
+  Location key_location_;
   std::string path_;
 };
 
@@ -107,8 +107,8 @@ class Mapping {
   std::optional<Value> find(std::string_view key) const;
   /// The same; throws `… is missing; expected` if it is missing.
   Value require(std::string_view key, const std::string& expected) const;
-  /// Throws "place: path what; expected …" for a missing key; without a text if it may be one of the unknown
-  /// keys.
+  /// Throws "location: path what; expected …" for a missing key; without a text if it may be one of the
+  /// unknown keys.
   [[noreturn]] void fail_missing(const std::string& what, const std::string& expected) const;
   /// False if there are unknown or repeated keys.
   bool is_complete() const { return is_complete_; }

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <initializer_list>
 #include <optional>
 #include <string>
@@ -82,190 +82,105 @@ struct Missing {
 /// its first key.
 enum class SectionStyle : std::uint8_t { lines, one_line, brief };
 
-/// A key of the configuration: one row of a table, made as a KeyOf<Owner>.
+/// A member as the value of its key. Words stand for enumerators, and for true and false where a flag has
+/// some.
+template <class T>
+KeyValue member_value(const T& member, const Form& form) {
+  [[maybe_unused]] const auto word = [&](int choice) {
+    KeyValue found;
+    for (const Word& one : form.words) {
+      if (one.value == choice) found = std::string(one.text);
+    }
+    return found;
+  };
+  if constexpr (std::is_enum_v<T>)
+    return word(static_cast<int>(member));
+  else if constexpr (std::is_same_v<T, bool>)
+    return form.words.empty() ? KeyValue(member) : word(static_cast<int>(member));
+  else if constexpr (std::is_arithmetic_v<T>)
+    return static_cast<double>(member);
+  else if constexpr (std::is_same_v<T, Span>)
+    return static_cast<double>(member.count()) / 1e9;  // gives the shortest text of a decimal fraction
+  else if constexpr (std::is_same_v<T, IpAddress>)
+    return member.to_string();
+  else if constexpr (std::is_same_v<T, std::vector<std::string>>)
+    return KeyList(member.begin(), member.end());
+  else
+    return member;
+}
+template <class T>
+KeyValue member_value(const std::optional<T>& member, const Form& form) {
+  return member ? member_value(*member, form) : KeyValue();
+}
+
+/// Stores the value of a key, which is of the right kind, in its member.
+template <class T>
+void set_member(T& member, const KeyValue& value, const Form& form) {
+  if constexpr (std::is_enum_v<T> || std::is_same_v<T, bool>) {
+    if (const auto* flag = std::get_if<bool>(&value)) member = static_cast<T>(*flag);
+    const auto* text = std::get_if<std::string>(&value);
+    for (const Word& word : form.words) {
+      if (text != nullptr && word.text == *text) member = static_cast<T>(word.value);
+    }
+  } else if constexpr (std::is_arithmetic_v<T>) {
+    member = static_cast<T>(std::get<double>(value));
+  } else if constexpr (std::is_same_v<T, Span>) {
+    member = span_from_seconds(std::get<double>(value));
+  } else if constexpr (std::is_same_v<T, IpAddress>) {
+    member = IpAddress::parse(std::get<std::string>(value)).value_or(IpAddress());
+  } else if constexpr (std::is_same_v<T, std::string>) {
+    member = form.kind == KeyKind::whole ? number_text(std::get<double>(value)) : std::get<T>(value);
+  } else {
+    member = std::get<T>(value);
+  }
+}
+template <class T>
+void set_member(std::optional<T>& member, const KeyValue& value, const Form& form) {
+  member.reset();
+  if (value.is_set()) set_member(member.emplace(), value, form);
+}
+
+struct Key;
+/// The keys of a section, in the order in which they are read and written.
+using Keys = std::vector<Key>;
+
+/// A key of the configuration. A function for each section makes the keys of one structure: with the values
+/// that it has at that time, and bound to its members, so that they must not outlive it.
 struct Key : Form, Missing {
   std::string_view name;
-  std::string_view meaning;      ///< one line, for the reference
+  std::string_view meaning;  ///< one line, for the reference
+  KeyValue value;
   std::optional<Trait> trait{};  ///< of a sensor: the models that accept it; none: every source
   bool live = false;             ///< it can be changed while the daemon runs
+  bool applies = true;  ///< false: it means nothing with the other keys as they are, and is not shown
   SectionStyle style = SectionStyle::lines;
-  std::vector<Key> inner;  ///< of a section
+  Keys inner;                                                ///< of a section
+  std::function<void(const KeyValue&, const Form&)> setter;  ///< empty: the enclosing section parses it
 
-  Key(Form limits, Missing without, std::string_view called, std::string_view help)
-      : Form(std::move(limits)), Missing(std::move(without)), name(called), meaning(help) {}
-  /// The value in a structure of the type that the table is for.
-  KeyValue get(const void* owner) const {
-    return read_ == nullptr ? KeyValue() : read_(static_cast<const char*>(owner) + offset_, *this);
-  }
-  /// Stores a value of the right kind (a valid address for an IpAddress). The enclosing section parses keys
-  /// that cannot be set.
-  void set(void* owner, const KeyValue& value) const {
-    store_(static_cast<char*>(owner) + offset_, value, *this);
-  }
-  bool can_be_set() const { return store_ != nullptr; }
-  /// The key of a structure that stands `bytes` behind the begin of another one, as a key of that one.
-  void shift(std::ptrdiff_t bytes) {
-    offset_ += bytes;
-    for (Key& key : inner) key.shift(bytes);
-  }
-
- protected:
-  template <class Owner>
-  static KeyValue call_getter(const void* owner, const Key& key) {
-    return reinterpret_cast<KeyValue (*)(const Owner&)>(key.getter_)(*static_cast<const Owner*>(owner));
-  }
-
-  std::ptrdiff_t offset_ = 0;  // of the member in its structure
-  KeyValue (*read_)(const void* member, const Key& key) = nullptr;
-  void (*store_)(void* member, const KeyValue& value, const Key& key) = nullptr;
-  void (*getter_)() = nullptr;  // a KeyValue (*)(const Owner&) in place of a member
-};
-
-inline KeyValue key_value(bool value) { return value; }
-template <class Number, std::enable_if_t<std::is_arithmetic_v<Number>, int> = 0>
-KeyValue key_value(Number value) {
-  return static_cast<double>(value);
-}
-/// The division gives the shortest text of a decimal fraction.
-inline KeyValue key_value(Span value) { return static_cast<double>(value.count()) / 1e9; }
-inline KeyValue key_value(const std::string& value) { return value; }
-inline KeyValue key_value(const std::vector<std::string>& value) {
-  return KeyList(value.begin(), value.end());
-}
-inline KeyValue key_value(const Pose& value) { return value; }
-inline KeyValue key_value(const IpAddress& value) { return value.to_string(); }
-
-/// A member of `Owner`, or of a structure inside of it: `offset` bytes behind its begin.
-template <class Owner, class T>
-struct Member {
-  std::ptrdiff_t offset;
-};
-/// at(&Owner::inner, &Inner::member): the member at the end of the path.
-template <class Owner, class T>
-Member<Owner, T> at(T Owner::*member) {
-  static const Owner probe{};
-  return {reinterpret_cast<const char*>(&(probe.*member)) - reinterpret_cast<const char*>(&probe)};
-}
-template <class Owner, class Inner, class T>
-Member<Owner, T> at(Inner Owner::*first, Member<Inner, T> rest) {
-  return {at(first).offset + rest.offset};
-}
-template <class Owner, class Inner, class... Path>
-auto at(Inner Owner::*first, Path... path) {
-  return at(first, at(path...));
-}
-
-/// The value of a member, and how it is stored there.
-template <class T>
-struct Stored {
-  static constexpr bool is_choice = std::is_enum_v<T> || std::is_same_v<T, bool>;
-
-  static KeyValue read(const T& member, const Key& key) {
-    if constexpr (is_choice) {
-      KeyValue found;
-      for (const Word& word : key.words) {
-        if (word.value == static_cast<int>(member)) found = std::string(word.text);
-      }
-      if (std::is_enum_v<T> || !key.words.empty()) return found;
-    }
-    if constexpr (std::is_enum_v<T>)
-      return {};
-    else
-      return key_value(member);
-  }
-  static void store(T& member, const KeyValue& value, const Key& key) {
-    if constexpr (is_choice) {
-      const auto* text = std::get_if<std::string>(&value);
-      for (const Word& word : key.words) {
-        if (text != nullptr && word.text == *text) member = static_cast<T>(word.value);
-      }
-    }
-    if constexpr (std::is_same_v<T, Span>)
-      member = span_from_seconds(std::get<double>(value));
-    else if constexpr (std::is_same_v<T, IpAddress>)
-      member = IpAddress::parse(std::get<std::string>(value)).value_or(IpAddress());
-    else if constexpr (std::is_same_v<T, std::string>)
-      member = key.kind == KeyKind::whole ? number_text(std::get<double>(value)) : std::get<T>(value);
-    else if constexpr (std::is_same_v<T, bool>)
-      member = key.words.empty() ? std::get<bool>(value) : member;
-    else if constexpr (std::is_arithmetic_v<T>)
-      member = static_cast<T>(std::get<double>(value));
-    else if constexpr (std::is_same_v<T, Pose>)
-      member = std::get<Pose>(value);
-  }
-};
-template <class T>
-struct Stored<std::optional<T>> {
-  static KeyValue read(const std::optional<T>& member, const Key& key) {
-    return member ? Stored<T>::read(*member, key) : KeyValue();
-  }
-  static void store(std::optional<T>& member, const KeyValue& value, const Key& key) {
-    member.reset();
-    if (value.is_set()) Stored<T>::store(member.emplace(), value, key);
-  }
-};
-
-template <class Owner>
-class Keys;
-
-/// A key of the structure `Owner`: {name, member, form, meaning, missing}.
-template <class Owner>
-struct KeyOf : Key {
+  /// The key of a member; of kind `special` it is shown, and parsed by the enclosing section.
   template <class T>
-  KeyOf(std::string_view called, Member<Owner, T> member, Form limits, std::string_view help,
-        Missing without = {})
-      : KeyOf(called, std::move(limits), help, std::move(without)) {
-    offset_ = member.offset;
-    read_ = [](const void* at, const Key& key) { return Stored<T>::read(*static_cast<const T*>(at), key); };
-    if (kind == KeyKind::special) return;
-    store_ = [](void* at, const KeyValue& value, const Key& key) {
-      Stored<T>::store(*static_cast<T*>(at), value, key);
-    };
+  Key(std::string_view called, T& member, Form limits, std::string_view help, Missing without = {})
+      : Key(called, member_value(member, limits), limits, help, std::move(without)) {
+    if constexpr (!std::is_same_v<T, std::vector<std::string>>) {
+      if (kind != KeyKind::special)
+        setter = [&member](const KeyValue& given, const Form& of) { set_member(member, given, of); };
+    }
   }
-  template <class T>
-  KeyOf(std::string_view called, T Owner::*member, Form limits, std::string_view help, Missing without = {})
-      : KeyOf(called, at(member), std::move(limits), help, std::move(without)) {}
-  /// A key that `getter` shows and the enclosing section parses.
-  KeyOf(std::string_view called, KeyValue (*getter)(const Owner&), Form limits, std::string_view help,
-        Missing without = {})
-      : KeyOf(called, std::move(limits), help, std::move(without)) {
-    getter_ = reinterpret_cast<void (*)()>(getter);
-    read_ = call_getter<Owner>;
-  }
+  /// A key that is shown with a value, and parsed by the enclosing section.
+  Key(std::string_view called, KeyValue shown, Form limits, std::string_view help, Missing without = {})
+      : Form(std::move(limits)),
+        Missing(std::move(without)),
+        name(called),
+        meaning(help),
+        value(std::move(shown)) {}
   /// A section.
-  template <class T>
-  KeyOf(std::string_view called, T Owner::*member, Keys<T> keys, std::string_view help,
-        SectionStyle written = SectionStyle::lines)
-      : KeyOf(called, Form{KeyKind::section}, help, {}) {
-    style = written;
-    inner = std::move(keys);
-    for (Key& key : inner) key.shift(at(member).offset);
-  }
+  Key(std::string_view called, Keys keys, std::string_view help, SectionStyle written = SectionStyle::lines)
+      : Form{KeyKind::section}, name(called), meaning(help), style(written), inner(std::move(keys)) {}
 
- private:
-  KeyOf(std::string_view called, Form limits, std::string_view help, Missing without)
-      : Key(std::move(limits), std::move(without), called, help) {}
+  bool can_be_set() const { return setter != nullptr; }
+  /// Stores a value of the right kind (a valid address for an IpAddress) in the member.
+  void set(const KeyValue& given) const { setter(given, *this); }
 };
-
-/// The keys of the structure `Owner`, in the order in which they are read and written.
-template <class Owner>
-class Keys : public std::vector<Key> {
- public:
-  Keys() = default;
-  Keys(std::initializer_list<KeyOf<Owner>> rows) : std::vector<Key>(rows.begin(), rows.end()) {}
-  Keys(std::initializer_list<Keys> parts) {
-    for (const Keys& part : parts) insert(end(), part.begin(), part.end());
-  }
-};
-
-/// The keys of a member as keys of its owner.
-template <class Owner, class T>
-Keys<Owner> within(T Owner::*member, const Keys<T>& keys) {
-  Keys<Owner> lifted;
-  lifted.assign(keys.begin(), keys.end());
-  for (Key& key : lifted) key.shift(at(member).offset);
-  return lifted;
-}
 
 /// What rows are made of.
 namespace keys {
@@ -297,6 +212,18 @@ inline const Missing or_none{{}, {}, {}, false, true};
 inline Missing preset(std::string_view text) { return {text}; }
 inline Missing remark(std::string_view text, KeyValue otherwise = {}) {
   return {{}, text, std::move(otherwise)};
+}
+
+/// Several lists of keys as one.
+inline Keys join(std::initializer_list<Keys> parts) {
+  Keys all;
+  for (const Keys& part : parts) all.insert(all.end(), part.begin(), part.end());
+  return all;
+}
+/// Keys that mean nothing, and are not shown, unless `applies`.
+inline Keys only_if(bool applies, Keys list) {
+  for (Key& key : list) key.applies = key.applies && applies;
+  return list;
 }
 
 }  // namespace keys

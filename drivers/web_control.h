@@ -43,9 +43,9 @@ inline const VelodyneControl* web_control(const DriverConfig& config) {
 }
 
 /// Keys of `control:` of a sensor: Trait::web_control. drivers/velodyne/web defines them.
-Keys<VelodyneControl> control_keys();
+Keys control_keys(VelodyneControl& control);
 /// What these keys have to fulfil together, and what follows from them; `yaml`: the section; `address`: of
-/// the sensor. Throws ConfigError; appends warnings with their places.
+/// the sensor. Throws ConfigError; appends warnings with their locations.
 void check_control(const Mapping& yaml, const std::optional<IpAddress>& address, VelodyneControl& control,
                    std::vector<std::string>& warnings);
 

@@ -11,10 +11,11 @@
 
 #include "core/base/angle.h"
 #include "core/mounts/seen_motion.h"
-#include "daemon/config/pose_edit.h"
+#include "daemon/commands/mount_edit.h"
 #include "daemon/config/yaml.h"
 #include "daemon/files/snapshot_view.h"
 #include "daemon/files/text_file.h"
+#include "daemon/offline/remarks.h"
 #include "daemon/ros/in/bag_topics.h"
 
 namespace lidard {
@@ -141,7 +142,7 @@ void require_standing(const std::vector<CalibratedSensor>& sensors) {
 
 int calibrate(const CalibrateOptions& options, std::ostream& out, std::ostream& err) {
   const Config config = load_config(options.config);
-  for (const auto& warning : config.warnings) err << warning << '\n';
+  for (const auto& warning : remarks_on(config)) err << warning << '\n';
   std::optional<Drive> drive;
   if (!options.motion.empty()) drive = read_drive(options.motion, config.vehicle);
   Drive* const driven = drive ? &*drive : nullptr;

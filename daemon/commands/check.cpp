@@ -5,9 +5,9 @@
 
 #include "daemon/commands/commands.h"
 #include "daemon/config/config.h"
-#include "daemon/config/yaml.h"
 #include "daemon/files/text_table.h"
 #include "daemon/offline/forecast.h"
+#include "daemon/offline/remarks.h"
 
 namespace lidard {
 namespace {
@@ -61,14 +61,12 @@ int run_check_ports(const std::string& file, std::ostream& out, std::ostream& er
 
 int run_check(const std::string& file, std::ostream& out, std::ostream& err) {
   return guarded(err, [&] {
-    const std::string text = read_file(file, "a readable YAML file");
-    const Config config = parse_config(text, file);
-    for (const auto* list : {&config.warnings, &config.host_remarks}) {
-      for (const std::string& remark : *list) err << remark << '\n';
-    }
+    const Config config = load_config(file);
     const EmptyField field(config);
     const std::vector<FieldSight> sights = sights_of(config, field);
-    for (const std::string& sentence : forecast(config, text, sights)) err << sentence << '\n';
+    for (const auto& list : {remarks_on(config), host_remarks_on(config), forecast(config, sights)}) {
+      for (const std::string& sentence : list) err << sentence << '\n';
+    }
     out << to_yaml(config) << comments_of(sights, field);
     return exit_ok;
   });

@@ -21,10 +21,10 @@ std::string text_of(const KeyValue& value) {
   return "";
 }
 
-std::string preset_of(const Key& key, const void* owner) {
+std::string preset_of(const Key& key) {
   if (key.required) return "must be given";
   if (!key.preset.empty()) return std::string(key.preset);
-  KeyValue value = key.get(owner);
+  KeyValue value = key.value;
   const auto* number = std::get_if<double>(&value);
   if (number != nullptr && !std::isfinite(*number)) value = KeyValue();
   std::string text = text_of(value);
@@ -88,30 +88,30 @@ Json json_of(const std::string& section, const Key& key, const std::string& pres
 }
 
 /// Adds the keys of a structure to their section, and those below them to sections of their own.
-void add(Json& sections, const std::string& name, const std::vector<Key>& keys, const void* owner,
-         std::optional<Trait> of_section = {}) {
+void add(Json& sections, const std::string& name, const Keys& keys, std::optional<Trait> of_section = {}) {
   for (const Key& key : keys) {
     const std::optional<Trait> trait = key.trait ? key.trait : of_section;
-    const std::string preset = key.kind == KeyKind::section ? "" : preset_of(key, owner);
+    const std::string preset = key.kind == KeyKind::section ? "" : preset_of(key);
     sections[name].push_back(json_of(name, key, preset, trait));
-    if (!key.inner.empty()) add(sections, name + "." + std::string(key.name), key.inner, owner, trait);
+    if (!key.inner.empty()) add(sections, name + "." + std::string(key.name), key.inner, trait);
   }
 }
-template <class Owner>
-void add(Json& sections, const std::string& name, const Keys<Owner>& keys, const Owner& owner) {
-  add(sections, name, keys, static_cast<const void*>(&owner));
+/// The keys of a section, with the defaults that `entry` has.
+template <class Section>
+void add(Json& sections, const std::string& name, Keys (*keys)(Section&), Section entry = {}) {
+  add(sections, name, keys(entry));
 }
 
 /// All keys, by section.
 Json all_sections() {
   Json all;
-  add(all, "vehicle", vehicle_keys(), VehicleConfig());
-  add(all, "sensors.NAME", sensor_keys(), SensorConfig());
-  add(all, "merged_scans.NAME", merged_keys(), MergedScanConfig());
-  add(all, "merged_scans.NAME.source_settings.SOURCE", source_keys(), SourceSettings());
-  add(all, "merged_clouds.NAME", merged_cloud_keys(), MergedCloudConfig());
-  add(all, "virtual_scans.NAME", virtual_keys(), default_virtual_scan());
-  add(all, "blackbox", black_box_keys(), BlackBoxConfig());
+  add(all, "vehicle", vehicle_keys);
+  add(all, "sensors.NAME", sensor_keys);
+  add(all, "merged_scans.NAME", merged_keys);
+  add(all, "merged_scans.NAME.source_settings.SOURCE", source_keys);
+  add(all, "merged_clouds.NAME", merged_cloud_keys);
+  add(all, "virtual_scans.NAME", virtual_keys, default_virtual_scan());
+  add(all, "blackbox", black_box_keys);
   return all;
 }
 

@@ -18,6 +18,7 @@
 #include "daemon/health/pipeline_health.h"
 #include "daemon/health/report.h"
 #include "daemon/offline/player.h"
+#include "daemon/offline/remarks.h"
 #include "daemon/offline/survey.h"
 #include "daemon/ros/in/bag_topics.h"
 #include "daemon/ros/in/tf_poses.h"
@@ -91,10 +92,11 @@ struct Replay {
     if (player.skipped() > 0) out << "  " << player.skipped() << " datagrams before --start not played\n";
     for (const auto& sender : pipeline.unclaimed_senders())
       out << "  no sensor is configured for " << sender << '\n';
+    const std::vector<std::string> remarks = remarks_on(config);
     for (const auto& sensor : sensors) {
       for (const auto& warning : sensor.info.warnings) {
         const auto says_it = [&](const std::string& said) { return said.find(warning) != said.npos; };
-        if (std::none_of(config.warnings.begin(), config.warnings.end(), says_it))
+        if (std::none_of(remarks.begin(), remarks.end(), says_it))
           err << sensor.name << ": " << warning << '\n';
       }
     }
@@ -197,7 +199,7 @@ int run_replay(const ReplayOptions& options, const Config& config, std::ostream&
     if (!options.bags.empty() && (options.loop || options.restamp))
       throw std::runtime_error("--loop and --restamp are for captures; play " + options.bags.front() +
                                " with `rosbag play --loop`");
-    for (const auto& warning : config.warnings) err << warning << '\n';
+    for (const auto& warning : remarks_on(config)) err << warning << '\n';
     MergedCapture capture(options.captures);
     stop_on_signals();
     const auto play = options.bag.empty() ? into_ros : into_bag;

@@ -20,6 +20,7 @@
 #include "daemon/live/sensor_loop.h"
 #include "daemon/live/service.h"
 #include "daemon/live/thread_priority.h"
+#include "daemon/offline/remarks.h"
 #include "daemon/pipeline/log.h"
 #include "daemon/ros/master/environment.h"
 #include "daemon/ros/session.h"
@@ -42,8 +43,8 @@ void log_event(const Event& event) {
 }
 
 void log_remarks(const Config& config) {
-  for (const auto* list : {&config.warnings, &config.host_remarks}) {
-    for (const auto& remark : *list) log_warn("{}", remark);
+  for (const auto& list : {remarks_on(config), host_remarks_on(config)}) {
+    for (const auto& remark : list) log_warn("{}", remark);
   }
 }
 

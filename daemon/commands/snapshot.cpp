@@ -14,6 +14,7 @@
 #include "daemon/files/text_file.h"
 #include "daemon/health/report.h"
 #include "daemon/offline/player.h"
+#include "daemon/offline/remarks.h"
 #include "daemon/offline/survey.h"
 #include "daemon/ros/in/tf_poses.h"
 
@@ -77,7 +78,7 @@ Scene scene_of(const std::vector<std::string>& captures, std::ostream& err) {
 Scene configured(const std::string& file, std::ostream& err) {
   Scene scene;
   scene.config = load_config(file);
-  for (const auto& warning : scene.config.warnings) err << warning << '\n';
+  for (const auto& warning : remarks_on(scene.config)) err << warning << '\n';
   scene.title = "What " + file_name(scene.config.file) + " sees";
   return scene;
 }

@@ -6,30 +6,28 @@
 
 namespace lidard {
 
-const Keys<BlackBoxConfig>& black_box_keys() {
+Keys black_box_keys(BlackBoxConfig& black_box) {
   using namespace keys;
-  using B = BlackBoxConfig;
-  static const Keys<B> rows{
-      {"seconds", &B::seconds, number(0, 3600, "s"),
+  return {
+      {"seconds", black_box.seconds, number(0, 3600, "s"),
        "packets of all sensors so far back are kept in memory, and written when something goes wrong; 0: "
        "none"},
-      {"megabytes", &B::megabytes, number(1, 100'000, "MB"),
+      {"megabytes", black_box.megabytes, number(1, 100'000, "MB"),
        "memory for them at most; where that does not suffice, a shorter time is kept"},
-      {"path", &B::path, text("a folder"),
+      {"path", black_box.path, text("a folder"),
        "where the captures are written; empty: $STATE_DIRECTORY, else /var/lib/lidard", or_none},
-      {"files", &B::files, whole(1, 1000),
+      {"files", black_box.files, whole(1, 1000),
        "captures kept there; a new one takes the place of the oldest, but the first of each kind of error "
        "stays"},
-      {"per_day", &B::per_day, whole(1, 1440),
+      {"per_day", black_box.per_day, whole(1, 1440),
        "captures that errors may start within 24 hours, and one a minute at most; `lidard dump` is free"}};
-  return rows;
 }
 
 void read_black_box(const Mapping& root, BlackBoxConfig& black_box) {
   const auto section = root.find("blackbox");
   if (!section) return;
   Mistakes mistakes;
-  read_keys(mapping_of(*section, black_box_keys(), mistakes), black_box_keys(), black_box, mistakes);
+  read_section(*section, black_box_keys(black_box), mistakes);
   mistakes.throw_if_any();
 }
 

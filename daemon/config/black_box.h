@@ -19,7 +19,7 @@ struct BlackBoxConfig {
   int per_day = 100;       ///< captures that errors may start within 24 hours
 };
 
-const Keys<BlackBoxConfig>& black_box_keys();
+Keys black_box_keys(BlackBoxConfig& black_box);
 void read_black_box(const Mapping& root, BlackBoxConfig& black_box);
 
 }  // namespace lidard

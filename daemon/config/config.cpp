@@ -11,9 +11,9 @@ namespace lidard {
 namespace {
 
 /// True if `a` and `b` show the same values of all keys.
-template <class Owner>
-bool same_keys(const Keys<Owner>& keys, const Owner& a, const Owner& b) {
-  return KeyValue(shown_values(keys, a)) == KeyValue(shown_values(keys, b));
+template <class Section>
+bool same_values(Keys (*keys)(Section&), Section a, Section b) {
+  return KeyValue(shown_values(keys(a))) == KeyValue(shown_values(keys(b)));
 }
 
 void add_merged(const MergedScanConfig& merged, std::vector<OutputTopic>& topics) {
@@ -45,20 +45,20 @@ std::vector<std::string> Config::lidars_of(const VirtualScanConfig& group) const
   return {group.cloud_topic};
 }
 
-bool operator==(const VehicleConfig& a, const VehicleConfig& b) { return same_keys(vehicle_keys(), a, b); }
+bool operator==(const VehicleConfig& a, const VehicleConfig& b) { return same_values(vehicle_keys, a, b); }
 bool operator==(const SensorConfig& a, const SensorConfig& b) {
   // What another entry's profile asks of the driver counts too.
   return a.name == b.name && a.model == b.model && a.calibration_digest == b.calibration_digest &&
-         a.driver.keep_too_near == b.driver.keep_too_near && same_keys(sensor_keys(), a, b);
+         a.driver.keep_too_near == b.driver.keep_too_near && same_values(sensor_keys, a, b);
 }
 bool operator==(const MergedScanConfig& a, const MergedScanConfig& b) {
-  return a.name == b.name && same_keys(merged_keys(), a, b);
+  return a.name == b.name && same_values(merged_keys, a, b);
 }
 bool operator==(const MergedCloudConfig& a, const MergedCloudConfig& b) {
-  return a.name == b.name && same_keys(merged_cloud_keys(), a, b);
+  return a.name == b.name && same_values(merged_cloud_keys, a, b);
 }
 bool operator==(const VirtualScanConfig& a, const VirtualScanConfig& b) {
-  return a.name == b.name && same_keys(virtual_keys(), a, b);
+  return a.name == b.name && same_values(virtual_keys, a, b);
 }
 
 std::vector<StaticTransform> fixed_poses(const Config& config) {

@@ -27,14 +27,14 @@ struct StaticTransform {
 /// The whole configuration, complete and validated.
 struct Config {
   std::string file;
+  std::string text;  ///< of the file
   VehicleConfig vehicle;
   std::vector<SensorConfig> sensors;
   std::vector<MergedScanConfig> merged_scans;
   std::vector<MergedCloudConfig> merged_clouds;
   std::vector<VirtualScanConfig> virtual_scans;
   BlackBoxConfig black_box;
-  std::vector<std::string> warnings;      ///< `file:line:column: what`, to be shown once
-  std::vector<std::string> host_remarks;  ///< the same of this host's network, for what talks to sensors
+  std::vector<std::string> warnings;  ///< `file:line:column: what`, to be shown once
   /// What a part of a configuration must know of the other parts; a file has none.
   struct Elsewhere {
     std::vector<StaticTransform> poses;  ///< of all parts

@@ -7,7 +7,6 @@
 
 #include "daemon/config/config.h"
 #include "daemon/config/reading.h"
-#include "daemon/config/remarks.h"
 #include "daemon/config/rows.h"
 #include "daemon/config/values.h"
 #include "daemon/config/yaml.h"
@@ -19,7 +18,7 @@ void warn_of_unused(const Mapping& root, Reading& reading) {
   for (const auto& [name, entry] : root.find("sensors")->entries()) {
     const SensorConfig* const sensor = find_sensor(reading.sensors, name);
     if (sensor->model == nullptr && !reading.claims.is_used(name))
-      reading.warn(entry.key_place(), entry.path() + " is used by no merged and no virtual scan");
+      reading.warn(entry.key_location(), entry.path() + " is used by no merged and no virtual scan");
   }
 }
 
@@ -38,17 +37,16 @@ std::string with_indented_comments(const std::string& yaml) {
   return result;
 }
 
-template <class Owner>
-void write_section(YAML::Emitter& yaml, const std::string& name, const Keys<Owner>& keys,
-                   const Owner& owner) {
+template <class Section>
+void write_section(YAML::Emitter& yaml, const std::string& name, Keys (*keys)(Section&), Section section) {
   yaml << YAML::Key << name << YAML::Value << YAML::BeginMap;
-  write_keys(yaml, keys, owner);
+  write_keys(yaml, keys(section));
   yaml << YAML::EndMap;
 }
 
 /// Writes named structures; a section that nothing stands in is left out.
 template <class Entry>
-void write_named(YAML::Emitter& yaml, const char* section, const Keys<Entry>& keys,
+void write_named(YAML::Emitter& yaml, const char* section, Keys (*keys)(Entry&),
                  const std::vector<Entry>& entries) {
   if (entries.empty()) return;
   yaml << YAML::Key << section << YAML::Value << YAML::BeginMap;
@@ -61,6 +59,7 @@ void write_named(YAML::Emitter& yaml, const char* section, const Keys<Entry>& ke
 Config parse_config(const std::string& text, const std::string& name) {
   Config config;
   config.file = name;
+  config.text = text;
   Reading reading{config.file,    config.warnings,      config.vehicle,
                   config.sensors, config.merged_clouds, config.virtual_scans};
   const Value file = parse_yaml(text, name);
@@ -76,19 +75,18 @@ Config parse_config(const std::string& text, const std::string& name) {
   mistakes.attempt([&] { read_black_box(root, config.black_box); });
   mistakes.throw_if_any();
   warn_of_unused(root, reading);
-  add_remarks(file, config);
   return config;
 }
 
 std::string to_yaml(const Config& config) {
   YAML::Emitter yaml;
   yaml << YAML::BeginMap;
-  write_section(yaml, "vehicle", vehicle_keys(), config.vehicle);
-  write_named(yaml, "sensors", sensor_keys(), config.sensors);
-  write_named(yaml, "merged_scans", merged_keys(), config.merged_scans);
-  write_named(yaml, "merged_clouds", merged_cloud_keys(), config.merged_clouds);
-  write_named(yaml, "virtual_scans", virtual_keys(), config.virtual_scans);
-  if (config.black_box.seconds > 0) write_section(yaml, "blackbox", black_box_keys(), config.black_box);
+  write_section(yaml, "vehicle", vehicle_keys, config.vehicle);
+  write_named(yaml, "sensors", sensor_keys, config.sensors);
+  write_named(yaml, "merged_scans", merged_keys, config.merged_scans);
+  write_named(yaml, "merged_clouds", merged_cloud_keys, config.merged_clouds);
+  write_named(yaml, "virtual_scans", virtual_keys, config.virtual_scans);
+  if (config.black_box.seconds > 0) write_section(yaml, "blackbox", black_box_keys, config.black_box);
   yaml << YAML::EndMap;
   return with_indented_comments(yaml.c_str());
 }

@@ -7,8 +7,6 @@
 namespace lidard {
 namespace {
 
-using F = FrameFilterSettings;
-
 constexpr double furthest_m = 1000;
 constexpr double highest_intensity = 65535;
 constexpr const char* box_form = "two opposite corners [[x, y, z], [x, y, z]], m";
@@ -17,8 +15,6 @@ KeyValue corners_of(const std::optional<FilterBox>& box) {
   const auto corner = [](const Eigen::Vector3d& at) { return KeyList{at.x(), at.y(), at.z()}; };
   return box ? KeyValue(KeyList{corner(box->min()), corner(box->max())}) : KeyValue();
 }
-KeyValue box_of(const F& filter) { return corners_of(filter.box); }
-KeyValue cut_out_of(const F& filter) { return corners_of(filter.cut_out); }
 
 void read_box(const Mapping& filter, const char* name, std::optional<FilterBox>& box) {
   const auto value = filter.find(name);
@@ -34,7 +30,7 @@ void read_box(const Mapping& filter, const char* name, std::optional<FilterBox>&
 }
 
 /// A scan, also that of a ring, lies at z 0 of its frame.
-void check_height(const Mapping& yaml, const F& filter) {
+void check_height(const Mapping& yaml, const FrameFilterSettings& filter) {
   if (filter.box && (filter.box->min().z() > 0 || filter.box->max().z() < 0))
     yaml.where("box").fail("leaves out the whole scan, which lies at z 0", "a box from z <= 0 to z >= 0");
 }
@@ -46,7 +42,7 @@ void check_intensity(const Mapping& yaml, const FilteredFrames& frames) {
                      "publish_intensity: true, or no such key");
 }
 
-void load_outliers(const Mapping& yaml, F& filter) {
+void load_outliers(const Mapping& yaml, FrameFilterSettings& filter) {
   if (filter.outlier_radius <= 0) {
     if (yaml.has("outlier_neighbours"))
       yaml.where("outlier_neighbours").fail_at_key("is given without outlier_radius", "both, or neither");
@@ -61,7 +57,7 @@ void load_outliers(const Mapping& yaml, F& filter) {
   }
 }
 
-void check_voxels(const Mapping& yaml, const Model& model, const F& filter) {
+void check_voxels(const Mapping& yaml, const Model& model, const FrameFilterSettings& filter) {
   if (filter.voxel_size > 0 && model.kind == FrameKind::scan)
     yaml.where("voxel_size")
         .fail_at_key("is not available for " + std::string(model.name) + ", which gives no clouds",
@@ -70,29 +66,26 @@ void check_voxels(const Mapping& yaml, const Model& model, const F& filter) {
 
 }  // namespace
 
-const Keys<F>& filter_keys() {
+Keys filter_keys(FrameFilterSettings& filter) {
   using namespace keys;
-  static const Keys<F> rows{
-      {"intensity_min", &F::intensity_min, number(0, highest_intensity, ""), "weaker returns are removed",
-       preset("no limit")},
-      {"box", box_of, special(box_form), "returns outside are removed; in frame_id of the sensor"},
-      {"cut_out", cut_out_of, special(box_form), "returns inside are removed: the vehicle itself"},
-      {"voxel_size", &F::voxel_size, number(0, 100, "m"),
-       "clouds: of the returns in such a cube the one nearest to its centre stays; 0: all"},
-      {"outlier_radius", &F::outlier_radius, number(0, 100, "m"),
-       "where others are looked for; 0: outliers stay; needs the package lidard-pcl"},
-      {"outlier_neighbours", &F::outlier_neighbours, whole(1, 1000),
-       "a return with fewer others in that radius is an outlier"}};
-  return rows;
+  return join(
+      {{{"intensity_min", filter.intensity_min, number(0, highest_intensity, ""),
+         "weaker returns are removed", preset("no limit")},
+        {"box", corners_of(filter.box), special(box_form),
+         "returns outside are removed; in frame_id of the sensor"},
+        {"cut_out", corners_of(filter.cut_out), special(box_form),
+         "returns inside are removed: the vehicle itself"}},
+       only_if(filter.voxel_size > 0,
+               {{"voxel_size", filter.voxel_size, number(0, 100, "m"),
+                 "clouds: of the returns in such a cube the one nearest to its centre stays; 0: all"}}),
+       only_if(filter.outlier_radius > 0,
+               {{"outlier_radius", filter.outlier_radius, number(0, 100, "m"),
+                 "where others are looked for; 0: outliers stay; needs the package lidard-pcl"},
+                {"outlier_neighbours", filter.outlier_neighbours, whole(1, 1000),
+                 "a return with fewer others in that radius is an outlier"}})});
 }
 
-bool applies(const Key& key, const F& filter) {
-  const bool is_of_outliers = key.name == "outlier_radius" || key.name == "outlier_neighbours";
-  return (key.name != "voxel_size" || filter.voxel_size > 0) &&
-         (!is_of_outliers || filter.outlier_radius > 0);
-}
-
-void check_filter(const Mapping& yaml, const FilteredFrames& frames, F& filter) {
+void check_filter(const Mapping& yaml, const FilteredFrames& frames, FrameFilterSettings& filter) {
   check_intensity(yaml, frames);
   read_box(yaml, "box", filter.box);
   read_box(yaml, "cut_out", filter.cut_out);

@@ -10,9 +10,8 @@
 namespace lidard {
 
 /// `filter:` of a sensor: returns that are removed from the messages of its own topics.
-const Keys<FrameFilterSettings>& filter_keys();
-/// False for keys of filters that are switched off.
-bool applies(const Key& key, const FrameFilterSettings& filter);
+/// Those of filters that are switched off do not apply.
+Keys filter_keys(FrameFilterSettings& filter);
 /// What is filtered: a device that gives a scan, be it that of a ring, or none, with or without intensities.
 struct FilteredFrames {
   const Model& model;

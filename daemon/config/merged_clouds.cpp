@@ -26,10 +26,10 @@ FrameKind kind_called(const Value& value, const Reading& reading) {
 void check_merged_cloud(const Mapping& yaml, const SourceList& list, MergedCloudConfig& merged,
                         Reading& reading) {
   check_destination(yaml, merged.destination_frame, merged.destination_pose, reading);
-  const Value& place = yaml.where("destination_topic");
+  const Value& topic = yaml.where("destination_topic");
   if (find_sensor(reading.sensors, merged.destination_topic) != nullptr)
-    place.fail("is the name of a sensor too", "a topic of its own");
-  reading.claims.publishes(merged.destination_topic, yaml.self().path(), place);
+    topic.fail("is the name of a sensor too", "a topic of its own");
+  reading.claims.publishes(merged.destination_topic, yaml.self().path(), topic);
   check_schedule(yaml, list, merged.schedule);
 }
 
@@ -37,8 +37,9 @@ MergedCloudConfig read_merged_cloud(const std::string& name, const Value& entry,
   if (find_sensor(reading.sensors, name) != nullptr)
     entry.fail_at_key("is the name of a sensor too", "a name of its own");
   Mistakes mistakes;
-  const Mapping yaml = mapping_of(entry, merged_cloud_keys(), mistakes);
   MergedCloudConfig merged;
+  const Keys keys = merged_cloud_keys(merged);
+  const Mapping yaml = mapping_of(entry, keys, mistakes);
   merged.name = name;
   merged.destination_frame = reading.vehicle.base_frame;
   merged.destination_topic = name;
@@ -47,7 +48,7 @@ MergedCloudConfig read_merged_cloud(const std::string& name, const Value& entry,
   SourceList list;
   mistakes.attempt([&] { list = read_sources(yaml, "sources", expected, kind_called, reading); });
   merged.sources = list.names;
-  read_keys(yaml, merged_cloud_keys(), merged, mistakes);
+  read_keys(yaml, keys, mistakes);
   mistakes.throw_if_any();
   check_merged_cloud(yaml, list, merged, reading);
   const Source source{Source::Kind::merged_cloud, merged.destination_topic, 0, 0, 0, false, merged.sources};
@@ -59,27 +60,21 @@ MergedCloudConfig read_merged_cloud(const std::string& name, const Value& entry,
 
 }  // namespace
 
-const Keys<MergedCloudConfig>& merged_cloud_keys() {
+Keys merged_cloud_keys(MergedCloudConfig& merged) {
   using namespace keys;
-  using M = MergedCloudConfig;
-  KeyValue (*const trigger)(const M&) = [](const M& merged) {
-    return name_of_trigger(merged.schedule, merged.sources);
-  };
-  static const Keys<M> rows{
-      Keys<M>{{"sources", &M::sources, special("names of sensors"),
-               "the lidars and planar scanners, by name or by the topic that they publish; `topic:` is taken "
-               "for a "
-               "cloud",
-               needed},
-              {"destination_frame", &M::destination_frame, frame, "the frame of the returns",
-               preset("vehicle.base_frame")},
-              {"destination_pose", &M::destination_pose, pose, "of destination_frame in vehicle.base_frame",
-               remark("from tf")},
-              {"destination_topic", &M::destination_topic, topic, "the cloud", preset("the entry's name")},
-              {"organize_cloud", &M::organized, flag,
-               "with a row per ring, source by source, in place of a list of returns"}},
-      schedule_keys(trigger)};
-  return rows;
+  return join(
+      {{{"sources", merged.sources, special("names of sensors"),
+         "the lidars and planar scanners, by name or by the topic that they publish; `topic:` is taken for a "
+         "cloud",
+         needed},
+        {"destination_frame", merged.destination_frame, frame, "the frame of the returns",
+         preset("vehicle.base_frame")},
+        {"destination_pose", merged.destination_pose, pose, "of destination_frame in vehicle.base_frame",
+         remark("from tf")},
+        {"destination_topic", merged.destination_topic, topic, "the cloud", preset("the entry's name")},
+        {"organize_cloud", merged.organized, flag,
+         "with a row per ring, source by source, in place of a list of returns"}},
+       schedule_keys(merged.schedule, merged.on_missing_motion, merged.sources)});
 }
 
 void read_merged_clouds(const Mapping& root, Reading& reading) {

@@ -14,7 +14,7 @@ namespace lidard {
 struct MergedCloudConfig {
   std::string name;
   std::vector<std::string>
-      sources;  ///< names of sensors; a return's `sensor` is the place of its source here
+      sources;  ///< names of sensors; a return's `sensor` is the index of its source here
   std::string destination_frame;
   std::optional<Pose> destination_pose;  ///< as in MergedScanConfig
   std::string destination_topic;         ///< default: the entry's name
@@ -23,8 +23,7 @@ struct MergedCloudConfig {
   MissingMotion on_missing_motion = MissingMotion::stand;
 };
 
-const Keys<MergedCloudConfig>& merged_cloud_keys();
-inline bool applies(const Key& key, const MergedCloudConfig& merged) { return applies(key, merged.schedule); }
+Keys merged_cloud_keys(MergedCloudConfig& merged);
 void read_merged_clouds(const Mapping& root, Reading& reading);
 
 }  // namespace lidard

@@ -18,17 +18,10 @@ using Merged = MergedScanConfig;
 
 constexpr double least_required_m = 0.1;
 
-KeyValue settings_of(const Merged& merged) {
+KeyMap shown_settings(std::map<std::string, SourceSettings>& of_sources) {
   KeyMap map;
-  for (const auto& [name, one] : merged.source_settings)
-    map.emplace_back(name, shown_values(source_keys(), one));
+  for (auto& [name, one] : of_sources) map.emplace_back(name, shown_values(source_keys(one)));
   return map;
-}
-KeyValue free_required_of(const Merged& merged) {
-  return merged.free_required > 0 ? merged.free_required : merged.output.grid.range_max;
-}
-KeyValue trigger_of(const Merged& merged) {
-  return name_of_trigger(merged.schedule, merged.laserscan_topics);
 }
 
 std::string expected_sources(const Reading& reading) {
@@ -43,8 +36,7 @@ std::string expected_sources(const Reading& reading) {
 
 void read_one_source(const Value& entry, SourceSettings& settings) {
   Mistakes mistakes;
-  const Mapping yaml = mapping_of(entry, source_keys(), mistakes);
-  read_keys(yaml, source_keys(), settings, mistakes);
+  const Mapping yaml = read_section(entry, source_keys(settings), mistakes);
   mistakes.throw_if_any();
   if (settings.range_min >= settings.range_max)
     yaml.where_first({"range_max", "range_min"})
@@ -78,8 +70,8 @@ void read_source_settings(const Mapping& yaml, const SourceList& list, Merged& m
   const Mapping entries = known_mapping(*section, names, mistakes);
   std::set<std::string> set_up;
   for (const auto& [name, entry] : entries.entries()) {
-    const auto place = static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
-    const std::string& source = sources[place % sources.size()];
+    const auto index = static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
+    const std::string& source = sources[index % sources.size()];
     mistakes.attempt([&, &entry = entry] {
       if (!set_up.insert(source).second)
         entry.fail_at_key("is " + source + ", which has settings already", "one entry for each source");
@@ -135,7 +127,7 @@ void refuse_flat_sources(const SourceList& sources, const Merged& merged) {
 
 void warn_without_footprint(const Mapping& yaml, const Merged& merged, Reading& reading) {
   if (!merged.has_visibility() || !reading.vehicle.footprint.empty()) return;
-  reading.warn(yaml.where("profile").place(),
+  reading.warn(yaml.where("profile").location(),
                yaml.self().path() +
                    " is to say what is observed, but vehicle.footprint is not set: where the vehicle hides "
                    "the way from " +
@@ -157,8 +149,9 @@ void check_merged_scan(const Mapping& yaml, const SourceList& sources, Merged& m
 
 Merged read_merged(const std::string& name, const Value& entry, Reading& reading) {
   Mistakes mistakes;
-  const Mapping yaml = mapping_of(entry, merged_keys(), mistakes);
   Merged merged;
+  const Keys keys = merged_keys(merged);
+  const Mapping yaml = mapping_of(entry, keys, mistakes);
   merged.name = name;
   merged.destination_frame = reading.vehicle.base_frame;
   merged.scan_destination_topic = name;
@@ -169,7 +162,7 @@ Merged read_merged(const std::string& name, const Value& entry, Reading& reading
   });
   merged.laserscan_topics = sources.names;
   default_ranges(sources.sources, merged.output.grid);
-  read_keys(yaml, merged_keys(), merged, mistakes);
+  read_keys(yaml, keys, mistakes);
   // The limit is not known while a key is wrong.
   if (!mistakes.any()) mistakes.attempt([&] { read_free_required(yaml, merged); });
   mistakes.attempt([&] {
@@ -190,64 +183,58 @@ Merged read_merged(const std::string& name, const Value& entry, Reading& reading
 
 bool MergedScanConfig::has_visibility() const { return knows_free_space(output, also); }
 
-const Keys<SourceSettings>& source_keys() {
+Keys source_keys(SourceSettings& settings) {
   using namespace keys;
-  using S = SourceSettings;
-  static const Keys<S> rows{
-      {"range_min", &S::range_min, number(0, farthest_m, "m"), "nearer returns are left out"},
-      {"range_max", &S::range_max, number(0, farthest_m, "m"), "farther returns are left out"},
-      {"angle_min", &S::angle_min, angle(-most_turn_rad, most_turn_rad),
-       "begin of the sector that counts, in the sensor's frame"},
-      {"angle_max", &S::angle_max, angle(-most_turn_rad, most_turn_rad),
-       "its end, counter-clockwise from there"},
-      {"no_return_free_range", &S::no_return_free_range, number(0, farthest_m, "m"),
-       "how far a beam without return proves that nothing is there",
-       preset("the range of a target of 10 % remission where it is known, else range_max of the source's "
-              "scan")}};
-  return rows;
+  return {{"range_min", settings.range_min, number(0, farthest_m, "m"), "nearer returns are left out"},
+          {"range_max", settings.range_max, number(0, farthest_m, "m"), "farther returns are left out"},
+          {"angle_min", settings.angle_min, angle(-most_turn_rad, most_turn_rad),
+           "begin of the sector that counts, in the sensor's frame"},
+          {"angle_max", settings.angle_max, angle(-most_turn_rad, most_turn_rad),
+           "its end, counter-clockwise from there"},
+          {"no_return_free_range", settings.no_return_free_range, number(0, farthest_m, "m"),
+           "how far a beam without return proves that nothing is there",
+           preset("the range of a target of 10 % remission where it is known, else range_max of the source's "
+                  "scan")}};
 }
 
-const Keys<Merged>& merged_keys() {
+Keys merged_keys(Merged& merged) {
   using namespace keys;
-  static const Keys<Merged> rows{
-      Keys<Merged>{
-          {"laserscan_topics", &Merged::laserscan_topics,
-           special("names of sensors that give scans, or of virtual scans"),
-           "the sources, by name or by the topic that they publish", needed},
-          {"destination_frame", &Merged::destination_frame, frame, "the scan's origin",
-           preset("vehicle.base_frame")},
-          {"destination_pose", &Merged::destination_pose, pose, "of destination_frame in vehicle.base_frame",
-           remark("from tf")},
-          {"scan_destination_topic", &Merged::scan_destination_topic, topic, "the scan",
-           preset("the entry's name")},
-          {"cloud_destination_topic", &Merged::cloud_destination_topic, topic,
-           "the returns of all sources as one cloud; empty: none", or_none},
-          {"status_topic", &Merged::status_topic, topic,
-           "a LaserScan of how far each beam is observed; as intensity 0 unobserved, 1 free, 2 hit, 3 a "
-           "surface seen from behind, 4 a way with a gap; empty: none",
-           or_none}},
-      schedule_keys(trigger_of),
-      Keys<Merged>{{"source_settings", settings_of, special("{SOURCE: {range_max: 8, …}}"),
-                    "windows and properties of single sources, by their name"}},
-      within(&Merged::output, output_keys()),
-      Keys<Merged>{
-          {"echoes", &Merged::echoes,
-           word({{"first", EchoChoice::first},
-                 {"last", EchoChoice::last},
-                 {"strongest", EchoChoice::strongest},
-                 {"all", EchoChoice::all}}),
-           "which echo of a beam counts"},
-          {"veil_filter", &Merged::veil_filter, flag,
-           "leaves out mixed pixels: returns between two surfaces where no surface is"},
-          {"range_noise", &Merged::range_noise, number(0.0005, 1, "m"),
-           "one standard deviation of the ranges"},
-          {"free_required", free_required_of, number(least_required_m, farthest_m, "m"),
-           "what must be observed for a beam to be free", preset("range_max")},
-          {"free_requires", &Merged::free_requires, special("names of its sources"),
-           "sources of which one must see all of a beam for it to be free, e.g. the lowest scanners; empty: "
-           "any source"},
-          also_key<Merged>()}};
-  return rows;
+  const double required = merged.free_required > 0 ? merged.free_required : merged.output.grid.range_max;
+  return join(
+      {{{"laserscan_topics", merged.laserscan_topics,
+         special("names of sensors that give scans, or of virtual scans"),
+         "the sources, by name or by the topic that they publish", needed},
+        {"destination_frame", merged.destination_frame, frame, "the scan's origin",
+         preset("vehicle.base_frame")},
+        {"destination_pose", merged.destination_pose, pose, "of destination_frame in vehicle.base_frame",
+         remark("from tf")},
+        {"scan_destination_topic", merged.scan_destination_topic, topic, "the scan",
+         preset("the entry's name")},
+        {"cloud_destination_topic", merged.cloud_destination_topic, topic,
+         "the returns of all sources as one cloud; empty: none", or_none},
+        {"status_topic", merged.status_topic, topic,
+         "a LaserScan of how far each beam is observed; as intensity 0 unobserved, 1 free, 2 hit, 3 a "
+         "surface seen from behind, 4 a way with a gap; empty: none",
+         or_none}},
+       schedule_keys(merged.schedule, merged.on_missing_motion, merged.laserscan_topics),
+       {{"source_settings", shown_settings(merged.source_settings), special("{SOURCE: {range_max: 8, …}}"),
+         "windows and properties of single sources, by their name"}},
+       output_keys(merged.output),
+       {{"echoes", merged.echoes,
+         word({{"first", EchoChoice::first},
+               {"last", EchoChoice::last},
+               {"strongest", EchoChoice::strongest},
+               {"all", EchoChoice::all}}),
+         "which echo of a beam counts"},
+        {"veil_filter", merged.veil_filter, flag,
+         "leaves out mixed pixels: returns between two surfaces where no surface is"},
+        {"range_noise", merged.range_noise, number(0.0005, 1, "m"), "one standard deviation of the ranges"},
+        {"free_required", KeyValue(required), number(least_required_m, farthest_m, "m"),
+         "what must be observed for a beam to be free", preset("range_max")},
+        {"free_requires", merged.free_requires, special("names of its sources"),
+         "sources of which one must see all of a beam for it to be free, e.g. the lowest scanners; empty: "
+         "any source"},
+        also_key(merged.also)}});
 }
 
 void read_merged_scans(const Mapping& root, std::vector<Merged>& merged_scans, Reading& reading) {

@@ -38,10 +38,9 @@ struct MergedScanConfig {
   bool has_visibility() const;
 };
 
-const Keys<MergedScanConfig>& merged_keys();
+Keys merged_keys(MergedScanConfig& merged);
 /// Of an entry of `source_settings:`.
-const Keys<SourceSettings>& source_keys();
-inline bool applies(const Key& key, const MergedScanConfig& merged) { return applies(key, merged.schedule); }
+Keys source_keys(SourceSettings& settings);
 void read_merged_scans(const Mapping& root, std::vector<MergedScanConfig>& merged_scans, Reading& reading);
 
 }  // namespace lidard

@@ -15,56 +15,51 @@ namespace {
 constexpr double longest_period_s = 3600;
 constexpr std::size_t default_beams_per_turn = 1440;
 
-template <class Output>
-KeyOf<Output> profile_key() {
+Key profile_key(Profile& profile) {
   return {
-      "profile", &Output::profile,
+      "profile", profile,
       keys::word({{"strict", Profile::strict}, {"safety", Profile::safety}, {"flatten", Profile::flatten}}),
       "how the scan says what is known"};
 }
-const Key& also_profile() {
-  static const Key key = profile_key<AlsoScanConfig>();
-  return key;
-}
 
-Keys<ScanGridSpec> grid_keys() {
+Keys grid_keys(ScanGridSpec& grid) {
   using namespace keys;
-  using G = ScanGridSpec;
-  return {
-      {"angle_min", &G::angle_min, angle(-two_pi, two_pi), "first beam"},
-      {"angle_max", &G::angle_max, angle(-two_pi, two_pi), "last beam"},
-      {"beams", &G::beams, whole(2, 32767), "number of beams, in place of angle_increment",
-       preset("1440 for a full turn")},
-      {"angle_increment", &G::angle_increment, angle(0, pi_d), "between beams", preset("a 1440th of a turn")},
-      {"time_increment", &G::time_increment, number(0, longest_period_s, "s"), "between beams"},
-      {"scan_time", &G::scan_time, number(0, longest_period_s, "s"), "between scans; 0: that of the sources"},
-      {"range_min", &G::range_min, number(0, farthest_m, "m"), "nearer returns are left out",
-       preset("of the nearest-sighted source")},
-      {"range_max", &G::range_max, number(0, farthest_m, "m"), "farther returns are left out",
-       preset("of the farthest-sighted source")}};
+  return {{"angle_min", grid.angle_min, angle(-two_pi, two_pi), "first beam"},
+          {"angle_max", grid.angle_max, angle(-two_pi, two_pi), "last beam"},
+          {"beams", grid.beams, whole(2, 32767), "number of beams, in place of angle_increment",
+           preset("1440 for a full turn")},
+          {"angle_increment", grid.angle_increment, angle(0, pi_d), "between beams",
+           preset("a 1440th of a turn")},
+          {"time_increment", grid.time_increment, number(0, longest_period_s, "s"), "between beams"},
+          {"scan_time", grid.scan_time, number(0, longest_period_s, "s"),
+           "between scans; 0: that of the sources"},
+          {"range_min", grid.range_min, number(0, farthest_m, "m"), "nearer returns are left out",
+           preset("of the nearest-sighted source")},
+          {"range_max", grid.range_max, number(0, farthest_m, "m"), "farther returns are left out",
+           preset("of the farthest-sighted source")}};
 }
 
 /// The key that a message about the grid refers to: the first one in the message that is in the file.
-const Value& place_of_complaint(const std::string& complaint, const Mapping& yaml) {
-  const Value* place = &yaml.self();
+const Value& value_complained_of(const std::string& complaint, const Keys& keys, const Mapping& yaml) {
+  const Value* value = &yaml.self();
   std::size_t earliest = std::string::npos;
-  for (const Key& key : output_keys()) {
+  for (const Key& key : keys) {
     const std::size_t mentioned = complaint.find(key.name);
     if (!yaml.has(key.name) || mentioned >= earliest) continue;
     earliest = mentioned;
-    place = &yaml.where(key.name);
+    value = &yaml.where(key.name);
   }
-  return *place;
+  return *value;
 }
 
-void check_grid(const ScanGridSpec& spec, const Mapping& yaml, Reading& reading) {
+void check_grid(ScanGridSpec& spec, const Mapping& yaml, Reading& reading) {
   const auto grid = make_grid(spec);
   const std::string path = yaml.self().path();
-  if (!grid) {
-    throw ConfigError(place_of_complaint(grid.reason(), yaml).place(), path + ": " + grid.reason());
-  }
+  if (!grid)
+    throw ConfigError(value_complained_of(grid.reason(), grid_keys(spec), yaml).location(),
+                      path + ": " + grid.reason());
   if (grid->beams < gmapping_beam_limit) return;
-  reading.warn(yaml.where_first({"beams", "angle_increment"}).place(),
+  reading.warn(yaml.where_first({"beams", "angle_increment"}).location(),
                path + " has " + std::to_string(grid->beams) + " beams; gmapping needs fewer than " +
                    std::to_string(gmapping_beam_limit) +
                    ": set beams lower where gmapping is to use the scan");
@@ -72,28 +67,25 @@ void check_grid(const ScanGridSpec& spec, const Mapping& yaml, Reading& reading)
 
 }  // namespace
 
-const Keys<OutputScanConfig>& output_keys() {
+Keys output_keys(OutputScanConfig& output) {
   using namespace keys;
-  using O = OutputScanConfig;
-  static const Keys<O> rows = [] {
-    const Form beam = word({{"inf", EmptyBeam::inf},
-                            {"nan", EmptyBeam::nan},
-                            {"range_max_plus_one", EmptyBeam::range_max_plus_one},
-                            {"minus_inf", EmptyBeam::minus_inf},
-                            {"zero", EmptyBeam::zero}});
-    const Form height = number(-farthest_m, farthest_m, "m");
-    Keys<O> all{
-        Keys<O>{profile_key<O>()}, within(&O::grid, grid_keys()),
-        Keys<O>{{"empty", &O::empty, beam, "what stands where nothing is"},
-                {"unobserved", &O::unobserved, beam, "what stands where nothing is known"},
-                {"min_height", &O::min_height, height, "lower returns are left out, in the frame of the scan",
-                 remark("no limit", -farthest_m)},
-                {"max_height", &O::max_height, height,
-                 "higher returns are left out, in the frame of the scan", remark("no limit", farthest_m)}}};
-    for (Key& key : all) key.live = key.name != "beams";  // which angle_increment stands for
-    return all;
-  }();
-  return rows;
+  const Form beam = word({{"inf", EmptyBeam::inf},
+                          {"nan", EmptyBeam::nan},
+                          {"range_max_plus_one", EmptyBeam::range_max_plus_one},
+                          {"minus_inf", EmptyBeam::minus_inf},
+                          {"zero", EmptyBeam::zero}});
+  const Form height = number(-farthest_m, farthest_m, "m");
+  Keys all =
+      join({{profile_key(output.profile)},
+            grid_keys(output.grid),
+            {{"empty", output.empty, beam, "what stands where nothing is"},
+             {"unobserved", output.unobserved, beam, "what stands where nothing is known"},
+             {"min_height", output.min_height, height, "lower returns are left out, in the frame of the scan",
+              remark("no limit", -farthest_m)},
+             {"max_height", output.max_height, height,
+              "higher returns are left out, in the frame of the scan", remark("no limit", farthest_m)}}});
+  for (Key& key : all) key.live = key.name != "beams";  // which angle_increment stands for
+  return all;
 }
 
 void default_ranges(const std::vector<Source>& sources, ScanGridSpec& grid) {
@@ -136,10 +128,10 @@ bool knows_free_space(const OutputScanConfig& output, const std::vector<AlsoScan
          });
 }
 
-KeyMap shown_also(const std::vector<AlsoScanConfig>& also) {
-  KeyMap map;
-  for (const AlsoScanConfig& one : also) map.emplace_back(one.topic, also_profile().get(&one));
-  return map;
+Key also_key(std::vector<AlsoScanConfig>& also) {
+  KeyMap shown;
+  for (AlsoScanConfig& one : also) shown.emplace_back(one.topic, profile_key(one.profile).value);
+  return {"also", shown, keys::special("{TOPIC: PROFILE, …}"), "more scans of the same evidence, by topic"};
 }
 
 void read_also(const Mapping& yaml, std::vector<AlsoScanConfig>& also) {
@@ -150,7 +142,8 @@ void read_also(const Mapping& yaml, std::vector<AlsoScanConfig>& also) {
     mistakes.attempt([&, &topic = topic, &value = value] {
       check_entry_name(topic, value);
       AlsoScanConfig one{topic};
-      also_profile().set(&one, read_value(value, also_profile()));
+      const Key profile = profile_key(one.profile);
+      profile.set(read_value(value, profile));
       also.push_back(one);
     });
   }

@@ -39,7 +39,7 @@ struct AlsoScanConfig {
 /// The largest length that a key of an output takes, m.
 constexpr double farthest_m = 10000;
 
-const Keys<OutputScanConfig>& output_keys();
+Keys output_keys(OutputScanConfig& output);
 /// What the keys of an output have to fulfil together; fills in what follows from them.
 void check_output(const Mapping& yaml, OutputScanConfig& output, Reading& reading);
 /// Rejects an angle_min and angle_max between which nothing lies.
@@ -48,18 +48,10 @@ void check_sector(const Mapping& yaml, const Sector& sector);
 /// The ranges of a scan of these sources, unless the file says others.
 void default_ranges(const std::vector<Source>& sources, ScanGridSpec& grid);
 
-KeyMap shown_also(const std::vector<AlsoScanConfig>& also);
+/// The key `also`, which read_also() reads.
+Key also_key(std::vector<AlsoScanConfig>& also);
 void read_also(const Mapping& yaml, std::vector<AlsoScanConfig>& also);
 /// True if some of these scans is more than points.
 bool knows_free_space(const OutputScanConfig& output, const std::vector<AlsoScanConfig>& also);
-
-/// `also:` of merged and virtual scans.
-template <class Output>
-KeyOf<Output> also_key() {
-  KeyValue (*const get)(const Output&) = [](const Output& output) -> KeyValue {
-    return shown_also(output.also);
-  };
-  return {"also", get, keys::special("{TOPIC: PROFILE, …}"), "more scans of the same evidence, by topic"};
-}
 
 }  // namespace lidard

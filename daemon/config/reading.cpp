@@ -8,8 +8,8 @@
 
 namespace lidard {
 
-void Reading::warn(const Place& place, const std::string& what) {
-  warnings.push_back(place.to_string() + ": " + what);
+void Reading::warn(const Location& location, const std::string& what) {
+  warnings.push_back(location.to_string() + ": " + what);
 }
 
 void Reading::add_invalid_names(const std::string& name, const Value& entry) {

@@ -88,7 +88,7 @@ struct Reading {
   bool has_sensors = false;  ///< valid ones
 
   /// Keeps a remark that is no error.
-  void warn(const Place& place, const std::string& what);
+  void warn(const Location& location, const std::string& what);
   /// Keeps the names of an invalid entry: its own and every text in it, which may be a topic or a frame.
   void add_invalid_names(const std::string& name, const Value& entry);
   /// True if `name` may belong to something that is left out because of a mistake.

@@ -78,9 +78,20 @@ KeyMap tree_of(const Pose& pose) {
   return {{"xyz", list(pose.translation())}, {"rpy_deg", list(rpy)}};
 }
 
+KeyValue shown_value(const Key& key) {
+  if (key.kind == KeyKind::section) {
+    KeyMap values = shown_values(key.inner);
+    return values.empty() ? KeyValue() : KeyValue(std::move(values));
+  }
+  const auto* const text = std::get_if<std::string>(&key.value);
+  const auto* const number = std::get_if<double>(&key.value);
+  const bool is_empty = text != nullptr && text->empty() && !key.may_be_empty;
+  return is_empty || (number != nullptr && !std::isfinite(*number)) ? KeyValue() : key.value;
+}
+
 }  // namespace
 
-Mapping mapping_of(const Value& value, const std::vector<Key>& keys, Mistakes& mistakes) {
+Mapping mapping_of(const Value& value, const Keys& keys, Mistakes& mistakes) {
   std::vector<std::string> names;
   for (const Key& key : keys) {
     names.emplace_back(key.name);
@@ -100,36 +111,40 @@ KeyValue read_value(const Value& value, const Key& key) {
   return read;
 }
 
-void read_row(const Mapping& yaml, const Key& key, void* owner) {
+void read_key(const Mapping& yaml, const Key& key) {
   const auto value =
       key.required && key.can_be_set() ? yaml.require(key.name, expected_of(key)) : yaml.find(key.name);
   if (key.kind == KeyKind::angle) {
     const auto angle = yaml.angle(std::string(key.name));
-    if (angle && key.can_be_set()) key.set(owner, *angle);
+    if (angle && key.can_be_set()) key.set(*angle);
   } else if (key.kind == KeyKind::section && value) {
     const bool is_brief = key.style == SectionStyle::brief && value->is_text();
-    if (is_brief) return key.inner.front().set(owner, read_value(*value, key.inner.front()));
+    if (is_brief) return key.inner.front().set(read_value(*value, key.inner.front()));
     Mistakes mistakes;
-    const Mapping section = mapping_of(*value, key.inner, mistakes);
-    for (const Key& one : key.inner) mistakes.attempt([&] { read_row(section, one, owner); });
+    read_section(*value, key.inner, mistakes);
     mistakes.throw_if_any();
   } else if (key.can_be_set() && value) {
-    key.set(owner, read_value(*value, key));
+    key.set(read_value(*value, key));
   }
 }
 
-KeyValue as_shown(KeyValue value, const Key& key) {
-  const auto* const text = std::get_if<std::string>(&value);
-  const auto* const number = std::get_if<double>(&value);
-  if ((text != nullptr && text->empty() && !key.may_be_empty) ||
-      (number != nullptr && !std::isfinite(*number)))
-    return {};
-  auto* const section = key.kind == KeyKind::section ? std::get_if<KeyMap>(&value) : nullptr;
-  if (section == nullptr) return value;
-  section->erase(
-      std::remove_if(section->begin(), section->end(), [](const auto& one) { return !one.second.is_set(); }),
-      section->end());
-  return section->empty() ? KeyValue() : value;
+void read_keys(const Mapping& yaml, const Keys& keys, Mistakes& mistakes) {
+  for (const Key& key : keys) mistakes.attempt([&] { read_key(yaml, key); });
+}
+
+Mapping read_section(const Value& value, const Keys& keys, Mistakes& mistakes) {
+  Mapping yaml = mapping_of(value, keys, mistakes);
+  read_keys(yaml, keys, mistakes);
+  return yaml;
+}
+
+KeyMap shown_values(const Keys& keys) {
+  KeyMap map;
+  for (const Key& key : keys) {
+    KeyValue value = shown_value(key);
+    if (key.applies && value.is_set()) map.emplace_back(key.name, std::move(value));
+  }
+  return map;
 }
 
 void write_tree(YAML::Emitter& yaml, const KeyValue& value) {
@@ -145,20 +160,24 @@ void write_tree(YAML::Emitter& yaml, const KeyValue& value) {
   if (const auto* map = std::get_if<KeyMap>(&value)) {
     yaml << YAML::BeginMap;
     for (const auto& [name, one] : *map) {
-      if (one.is_set()) write_tree(yaml << YAML::Key << name << YAML::Value, one);
+      write_tree(yaml << YAML::Key << name << YAML::Value, one);
     }
     yaml << YAML::EndMap;
   }
 }
 
-void write_row(YAML::Emitter& yaml, const Key& key, const KeyValue& value) {
-  const std::string name(key.name);
-  if (!value.is_set() && !key.remark.empty()) {
-    yaml << YAML::Newline << YAML::Comment(name + ": " + std::string(key.remark));
-  } else if (const KeyValue& shown = value.is_set() ? value : key.otherwise; shown.is_set()) {
+void write_keys(YAML::Emitter& yaml, const Keys& keys) {
+  for (const Key& key : keys) {
+    if (!key.applies) continue;
+    const std::string name(key.name);
+    KeyValue value = shown_value(key);
+    if (!value.is_set() && !key.remark.empty())
+      yaml << YAML::Newline << YAML::Comment(name + ": " + std::string(key.remark));
+    if (!value.is_set() && key.remark.empty()) value = key.otherwise;
+    if (!value.is_set()) continue;
     yaml << YAML::Key << name << YAML::Value;
     if (key.style == SectionStyle::one_line) yaml << YAML::Flow;
-    write_tree(yaml, shown);
+    write_tree(yaml, value);
   }
 }
 

@@ -14,23 +14,30 @@ constexpr double most_outputs_per_s = 1000;
 
 }  // namespace
 
-Keys<ScheduleSettings> policy_keys() {
+Keys schedule_keys(ScheduleSettings& schedule, MissingMotion& motion,
+                   const std::vector<std::string>& sources) {
   using namespace keys;
-  using S = ScheduleSettings;
-  return {{"policy", &S::policy,
-           word({{"complete", Policy::complete}, {"rate", Policy::rate}, {"trigger", Policy::trigger}}),
-           "published with each sweep of the slowest source, at a rate, or when one has delivered"},
-          {"rate", &S::rate, number(0.01, most_outputs_per_s, "1/s"), "with policy rate"}};
-}
-
-Keys<ScheduleSettings> patience_keys() {
-  using namespace keys;
-  using S = ScheduleSettings;
-  return {{"deadline", &S::deadline, number(0, longest_wait_s, "s"),
-           "how late a source may be before an output is published without it",
-           remark("0.3 of the shortest period of the sources")},
-          {"lost_after", &S::lost_after, number(0.001, longest_wait_s, "s"),
-           "silence after which a source is lost, which is an ERROR"}};
+  const KeyValue trigger =
+      schedule.trigger < sources.size() ? KeyValue(sources[schedule.trigger]) : KeyValue();
+  return join(
+      {{{"policy", schedule.policy,
+         word({{"complete", Policy::complete}, {"rate", Policy::rate}, {"trigger", Policy::trigger}}),
+         "published with each sweep of the slowest source, at a rate, or when one has delivered"}},
+       only_if(schedule.policy == Policy::rate,
+               {{"rate", schedule.rate, number(0.01, most_outputs_per_s, "1/s"), "with policy rate"}}),
+       only_if(schedule.policy == Policy::trigger,
+               {{"trigger", trigger, special(trigger_form),
+                 "the source whose sweeps trigger the output, with policy trigger"}}),
+       {{"deadline", schedule.deadline, number(0, longest_wait_s, "s"),
+         "how late a source may be before an output is published without it",
+         remark("0.3 of the shortest period of the sources")},
+        {"lost_after", schedule.lost_after, number(0.001, longest_wait_s, "s"),
+         "silence after which a source is lost, which is an ERROR"},
+        {"on_missing_motion", motion,
+         word({{"static", MissingMotion::stand},
+               {"wait", MissingMotion::wait},
+               {"drop", MissingMotion::drop}}),
+         "while poses of the vehicle are missing: as if it stood, wait for them, or no output"}}});
 }
 
 void check_schedule(const Mapping& yaml, const SourceList& list, ScheduleSettings& schedule) {

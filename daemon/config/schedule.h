@@ -20,32 +20,11 @@ struct SourceList;
 /// long as for a source, or leave the output out.
 enum class MissingMotion : std::uint8_t { stand, wait, drop };
 
-/// Keys of ScheduleSettings, for policy and for patience.
-Keys<ScheduleSettings> policy_keys();
-Keys<ScheduleSettings> patience_keys();
 constexpr const char* trigger_form = "the source whose sweeps trigger the output";
-/// When a merged scan or cloud is published. `trigger`: the name of its triggering source.
-template <class Merged>
-Keys<Merged> schedule_keys(KeyValue (*trigger)(const Merged&)) {
-  const Form motion = keys::word(
-      {{"static", MissingMotion::stand}, {"wait", MissingMotion::wait}, {"drop", MissingMotion::drop}});
-  return {
-      within(&Merged::schedule, policy_keys()),
-      Keys<Merged>{{"trigger", trigger, keys::special(trigger_form),
-                    "the source whose sweeps trigger the output, with policy trigger"}},
-      within(&Merged::schedule, patience_keys()),
-      Keys<Merged>{{"on_missing_motion", &Merged::on_missing_motion, motion,
-                    "while poses of the vehicle are missing: as if it stood, wait for them, or no output"}}};
-}
-/// Name of the triggering source, for the getter of that key.
-inline KeyValue name_of_trigger(const ScheduleSettings& schedule, const std::vector<std::string>& sources) {
-  return schedule.trigger < sources.size() ? KeyValue(sources[schedule.trigger]) : KeyValue();
-}
-/// A rate and a trigger belong to the policy of that name.
-inline bool applies(const Key& key, const ScheduleSettings& schedule) {
-  return (key.name != "rate" || schedule.policy == Policy::rate) &&
-         (key.name != "trigger" || schedule.policy == Policy::trigger);
-}
+/// When a merged scan or cloud is published. A rate and a trigger, one of `sources`, apply with the policy of
+/// that name.
+Keys schedule_keys(ScheduleSettings& schedule, MissingMotion& motion,
+                   const std::vector<std::string>& sources);
 void check_schedule(const Mapping& yaml, const SourceList& list, ScheduleSettings& schedule);
 /// The pose of a destination that is base_frame itself is known.
 void check_destination(const Mapping& yaml, const std::string& frame, std::optional<Pose>& pose,

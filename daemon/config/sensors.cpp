@@ -238,8 +238,8 @@ void check_sensor(const Mapping& yaml, SensorConfig& sensor, Reading& reading) {
 }
 
 /// Rejects keys that the sensor does not accept.
-void check_keys(const Mapping& yaml, const SensorConfig& sensor, Mistakes& mistakes) {
-  for (const Key& key : sensor_keys()) {
+void check_keys(const Mapping& yaml, const Keys& keys, const SensorConfig& sensor, Mistakes& mistakes) {
+  for (const Key& key : keys) {
     for (const std::string& name : {std::string(key.name), std::string(key.name) + "_deg"}) {
       const auto value = yaml.find(name);
       if (!value || accepts(sensor, key)) continue;
@@ -273,14 +273,15 @@ void add_candidates(const SensorConfig& sensor, std::vector<Candidate>& candidat
 
 SensorConfig read_sensor(const std::string& name, const Value& entry, Reading& reading) {
   Mistakes mistakes;
-  const Mapping yaml = mapping_of(entry, sensor_keys(), mistakes);
   SensorConfig sensor;
   sensor.name = sensor.frame_id = name;
+  const Keys keys = sensor_keys(sensor);
+  const Mapping yaml = mapping_of(entry, keys, mistakes);
   const bool is_known = mistakes.attempt([&] { read_kind(yaml, sensor); });
-  for (const Key& key : sensor_keys()) {
-    if (!is_known || accepts(sensor, key)) mistakes.attempt([&] { read_row(yaml, key, &sensor); });
+  for (const Key& key : keys) {
+    if (!is_known || accepts(sensor, key)) mistakes.attempt([&] { read_key(yaml, key); });
   }
-  if (is_known) check_keys(yaml, sensor, mistakes);
+  if (is_known) check_keys(yaml, keys, sensor, mistakes);
   // The rules between keys need all of them.
   mistakes.throw_if_any();
   check_sensor(yaml, sensor, reading);

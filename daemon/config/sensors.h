@@ -69,16 +69,15 @@ std::vector<OutputTopic> sensor_topics(const SensorConfig& sensor);
 /// send it.
 std::vector<Flow> flows_of(const SensorConfig& sensor);
 
-/// The keys of an entry; each names the trait of the sensors that accept it.
-const Keys<SensorConfig>& sensor_keys();
+/// The keys of an entry; each names the trait of the sensors that accept it. Those apply that the sensor
+/// accepts and that have an effect with the others.
+Keys sensor_keys(SensorConfig& sensor);
 /// The sensors with a trait, for people ("Velodynes"); empty: all.
 std::string_view products_with(Trait trait);
 /// True if the key means something to the sensor, or to a sensor of its model at all.
 bool accepts(const SensorConfig& sensor, const Key& key);
 /// Why a key is rejected for this sensor, and the remedy.
 Rejection refusal(const SensorConfig& sensor, const Key& key);
-/// False for keys that the sensor does not accept, or that have no effect with the others.
-bool applies(const Key& key, const SensorConfig& sensor);
 
 void read_sensors(const Mapping& root, Reading& reading);
 /// Brings the limits of the ring that is a scan in line with those of the cloud.

@@ -27,7 +27,7 @@ struct OutputTopic {
   TopicKind kind;
   bool promised = true;     ///< comes with every frame; else only when the device has something to report
   std::size_t message = 0;  ///< of TopicKind::message: message_kind() of what travels
-  std::size_t id = 0;       ///< place in output_topics()
+  std::size_t id = 0;       ///< index in output_topics()
   std::string_view from{};  ///< the driver's name of what travels; empty: what every sensor of the kind gives
 };
 

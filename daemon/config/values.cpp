@@ -40,8 +40,8 @@ std::string comma_list(const std::vector<std::string_view>& words) {
     entry.fail_at_key("is a key of former versions", std::string(instead));
   std::string_view near = ours_for(entry.path());
   if (near.empty()) near = nearest_word(key, known_keys);
-  throw ConfigError(entry.key_place(), "unknown key " + entry.path() + "; expected " +
-                                           (near.empty() ? comma_list(known_keys) : std::string(near)));
+  throw ConfigError(entry.key_location(), "unknown key " + entry.path() + "; expected " +
+                                              (near.empty() ? comma_list(known_keys) : std::string(near)));
 }
 
 }  // namespace

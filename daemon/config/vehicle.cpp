@@ -79,29 +79,18 @@ void check_vehicle(const Mapping& yaml, const VehicleConfig& vehicle, ConfigClai
 
 }  // namespace
 
-double distance_to(const std::vector<Point>& footprint, const Point& point) {
-  if (footprint.empty()) return 0;
-  Outline outline;
-  for (const Point& vertex : footprint)
-    geometry::append(outline, Outline::point_type(vertex.x(), vertex.y()));
-  geometry::correct(outline);
-  return geometry::distance(Outline::point_type(point.x(), point.y()), outline);
-}
-
-const Keys<VehicleConfig>& vehicle_keys() {
+Keys vehicle_keys(VehicleConfig& vehicle) {
   using namespace keys;
-  using V = VehicleConfig;
-  static const Keys<V> rows{
-      {"base_frame", &V::base_frame, frame, "the frame of the vehicle"},
-      {"footprint", footprint_of, special("[[x, y], …], m"),
+  return {
+      {"base_frame", vehicle.base_frame, frame, "the frame of the vehicle"},
+      {"footprint", footprint_of(vehicle), special("[[x, y], …], m"),
        "polygon in base_frame; returns from inside are left out; published on the topic footprint"},
-      {"odometry_frame", &V::odometry_frame, frame,
+      {"odometry_frame", vehicle.odometry_frame, frame,
        "poses of base_frame in it come from tf; scans are deskewed by them; empty: none", or_none},
-      {"odometry_topic", &V::odometry_topic, topic, "or from a nav_msgs/Odometry; empty: none", or_none},
-      {"imu_topic", &V::imu_topic, topic,
+      {"odometry_topic", vehicle.odometry_topic, topic, "or from a nav_msgs/Odometry; empty: none", or_none},
+      {"imu_topic", vehicle.imu_topic, topic,
        "or from the turn rates of a sensor_msgs/Imu and a speed ahead; empty: none", or_none},
-      {"speed_topic", &V::speed_topic, topic, "that speed, a geometry_msgs/TwistStamped", or_none}};
-  return rows;
+      {"speed_topic", vehicle.speed_topic, topic, "that speed, a geometry_msgs/TwistStamped", or_none}};
 }
 
 void read_vehicle(const Mapping& root, Reading& reading) {
@@ -109,8 +98,7 @@ void read_vehicle(const Mapping& root, Reading& reading) {
   if (!section) return;
   VehicleConfig& vehicle = reading.vehicle;
   Mistakes mistakes;
-  const Mapping yaml = mapping_of(*section, vehicle_keys(), mistakes);
-  read_keys(yaml, vehicle_keys(), vehicle, mistakes);
+  const Mapping yaml = read_section(*section, vehicle_keys(vehicle), mistakes);
   if (const auto footprint = yaml.find("footprint"))
     mistakes.attempt([&] { vehicle.footprint = read_footprint(*footprint); });
   mistakes.throw_if_any();

@@ -25,10 +25,8 @@ struct VehicleConfig {
   bool has_motion() const { return !odometry_frame.empty() || !odometry_topic.empty() || !imu_topic.empty(); }
 };
 
-const Keys<VehicleConfig>& vehicle_keys();
+Keys vehicle_keys(VehicleConfig& vehicle);
 /// Reads the section; `reading` sees every name it gives away.
 void read_vehicle(const Mapping& root, Reading& reading);
-/// m from a point to a footprint; 0: inside, or there is none.
-double distance_to(const std::vector<Eigen::Vector2d>& footprint, const Eigen::Vector2d& point);
 
 }  // namespace lidard

@@ -19,17 +19,14 @@ using Virtual = VirtualScanConfig;
 // The first release of ira_laser_tools kept returns within 0.1 m of the plane; later ones 1 cm, then all.
 constexpr double virtual_half_height_m = 0.1;
 
-Keys<GroundSettings> ground_keys() {
+Keys ground_keys(GroundSettings& ground) {
   using namespace keys;
-  using G = GroundSettings;
-  return {{"model", &G::model,
+  return {{"model", ground.model,
            word({{"none", GroundModel::none}, {"plane", GroundModel::plane}, {"slope", GroundModel::slope}}),
            "what the ground is taken for", needed},
-          {"z", &G::z, number(-farthest_m, farthest_m, "m"), "its height in vehicle.base_frame"},
-          {"tolerance", &G::tolerance, number(0.001, 10, "m"), "what lies nearer to it belongs to it"}};
+          {"z", ground.z, number(-farthest_m, farthest_m, "m"), "its height in vehicle.base_frame"},
+          {"tolerance", ground.tolerance, number(0.001, 10, "m"), "what lies nearer to it belongs to it"}};
 }
-
-KeyValue poses_of(const Virtual& scan) { return KeyMap(scan.poses.begin(), scan.poses.end()); }
 
 void read_frames(const Mapping& yaml, Virtual& scan) {
   const std::string expected = "names of frames, each the origin of one virtual scan";
@@ -71,9 +68,9 @@ void claim_topics(const Mapping& yaml, const Virtual& scan, Reading& reading) {
     const Value& topic = yaml.where("output_laser_topic");
     reading.claims.publishes(scan.output_laser_topic, owner, topic);
     if (scan.virtual_laser_scan.size() > 1)
-      reading.warn(topic.place(), topic.path() + " carries scans of " +
-                                      std::to_string(scan.virtual_laser_scan.size()) +
-                                      " frames; leave it empty for one topic per frame");
+      reading.warn(topic.location(), topic.path() + " carries scans of " +
+                                         std::to_string(scan.virtual_laser_scan.size()) +
+                                         " frames; leave it empty for one topic per frame");
   }
   for (const AlsoScanConfig& also : scan.also) {
     const Mapping section = yaml.inside("also");
@@ -85,9 +82,9 @@ void claim_topics(const Mapping& yaml, const Virtual& scan, Reading& reading) {
 }
 
 /// Rejects keys that say how what is proven is found, where nothing is.
-void refuse_without_visibility(const Mapping& yaml, const Virtual& scan) {
-  for (const Key& key : virtual_keys()) {
-    if (yaml.has(key.name) && !applies(key, scan))
+void refuse_without_visibility(const Mapping& yaml, Virtual& scan) {
+  for (const Key& key : virtual_keys(scan)) {
+    if (yaml.has(key.name) && !key.applies)
       yaml.where(key.name).fail("is of no use for a scan of profile flatten, which is points alone",
                                 "profile: strict or safety (or such a scan under also), or no such key");
   }
@@ -168,15 +165,16 @@ void add_candidates(const Virtual& group, std::vector<Candidate>& candidates) {
 
 Virtual read_virtual(const std::string& name, const Value& entry, Reading& reading) {
   Mistakes mistakes;
-  Mapping yaml = mapping_of(entry, virtual_keys(), mistakes);
   Virtual scan = default_virtual_scan();
+  const Keys keys = virtual_keys(scan);
+  const Mapping yaml = mapping_of(entry, keys, mistakes);
   scan.name = name;
   scan.base_frame = reading.vehicle.base_frame;
   std::vector<std::string> sources;
   mistakes.attempt([&] { sources = read_cloud_source(yaml, scan, reading); });
   set_defaults(sources, reading.sensors, scan);
   const bool has_frames = mistakes.attempt([&] { read_frames(yaml, scan); });
-  read_keys(yaml, virtual_keys(), scan, mistakes);
+  read_keys(yaml, keys, mistakes);
   mistakes.attempt([&] { read_also(yaml, scan.also); });
   if (has_frames) mistakes.attempt([&] { read_poses(yaml, scan, reading); });
   // The rules between keys need all of them.
@@ -204,44 +202,36 @@ std::string VirtualScanConfig::topic(const std::string& frame, const AlsoScanCon
   return further == nullptr ? own : own + "/" + further->topic;
 }
 
-const Keys<Virtual>& virtual_keys() {
+Keys virtual_keys(Virtual& scan) {
   using namespace keys;
-  static const Keys<Virtual> rows = [] {
-    Keys<Virtual> all{
-        Keys<Virtual>{
-            {"cloud_topic", &Virtual::cloud_topic, special("a sensor that gives clouds, or a merged cloud"),
-             "the source, by name or by the topic that it publishes", needed},
-            {"base_frame", &Virtual::base_frame, frame, "parent of the poses", preset("vehicle.base_frame")},
-            {"virtual_laser_scan", &Virtual::virtual_laser_scan,
-             special("names of frames, each the origin of one virtual scan"),
-             "the frames, each the origin of one scan", needed},
-            {"poses", poses_of, special("{FRAME: {xyz: [x, y, z]}}"),
-             "of the frames in base_frame; a frame without one comes from tf"},
-            {"output_laser_topic", &Virtual::output_laser_topic, topic,
-             "the topic of all scans; empty: one topic per frame, named like it", or_none}},
-        within(&Virtual::output, output_keys()), Keys<Virtual>{also_key<Virtual>()},
-        Keys<Virtual>{
-            {"mode", &Virtual::mode, word({{"slice", CutMode::slice}, {"band", CutMode::band}}),
+  Keys all = join(
+      {{{"cloud_topic", scan.cloud_topic, special("a sensor that gives clouds, or a merged cloud"),
+         "the source, by name or by the topic that it publishes", needed},
+        {"base_frame", scan.base_frame, frame, "parent of the poses", preset("vehicle.base_frame")},
+        {"virtual_laser_scan", scan.virtual_laser_scan,
+         special("names of frames, each the origin of one virtual scan"),
+         "the frames, each the origin of one scan", needed},
+        {"poses", KeyMap(scan.poses.begin(), scan.poses.end()), special("{FRAME: {xyz: [x, y, z]}}"),
+         "of the frames in base_frame; a frame without one comes from tf"},
+        {"output_laser_topic", scan.output_laser_topic, topic,
+         "the topic of all scans; empty: one topic per frame, named like it", or_none}},
+       output_keys(scan.output),
+       {also_key(scan.also)},
+       only_if(
+           scan.has_visibility(),
+           {{"mode", scan.mode, word({{"slice", CutMode::slice}, {"band", CutMode::band}}),
              "slice: what crosses the plane; band: all between min_height and max_height"},
-            {"ground", &Virtual::ground, ground_keys(), "what is no obstacle", SectionStyle::brief},
-            {"echoes", &Virtual::early_returns, word({{"last", false}, {"all", true}}),
+            {"ground", ground_keys(scan.ground), "what is no obstacle", SectionStyle::brief},
+            {"echoes", scan.early_returns, word({{"last", false}, {"all", true}}),
              "which returns count; the surface is made of the last ones"},
-            {"no_return_free_range", &Virtual::no_return_free_range, number(0, farthest_m, "m"),
+            {"no_return_free_range", scan.no_return_free_range, number(0, farthest_m, "m"),
              "how far a beam without return proves that nothing is there",
              preset(
                  "of a Velodyne the range of a target of 10 % remission where it is known, else range_max; "
-                 "of others 0; the least of a merged cloud's lidars")}}};
-    // Requests at run time may change the profile of merged scans alone.
-    for (Key& key : all) key.live = key.live && key.name != "profile";
-    return all;
-  }();
-  return rows;
-}
-
-bool applies(const Key& key, const Virtual& scan) {
-  const bool is_of_evidence = key.name == "mode" || key.name == "ground" || key.name == "echoes" ||
-                              key.name == "no_return_free_range";
-  return scan.has_visibility() || !is_of_evidence;
+                 "of others 0; the least of a merged cloud's lidars")}})});
+  // Requests at run time may change the profile of merged scans alone.
+  for (Key& key : all) key.live = key.live && key.name != "profile";
+  return all;
 }
 
 void read_virtual_scans(const Mapping& root, Reading& reading) {

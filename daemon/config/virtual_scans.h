@@ -32,9 +32,8 @@ struct VirtualScanConfig {
 
 /// What holds for a virtual scan before its keys are read.
 VirtualScanConfig default_virtual_scan();
-const Keys<VirtualScanConfig>& virtual_keys();
-/// What proves nothing needs no key that says how.
-bool applies(const Key& key, const VirtualScanConfig& scan);
+/// Of a scan that proves nothing the keys that say how do not apply.
+Keys virtual_keys(VirtualScanConfig& scan);
 void read_virtual_scans(const Mapping& root, Reading& reading);
 
 }  // namespace lidard

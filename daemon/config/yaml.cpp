@@ -20,12 +20,12 @@ namespace {
 // A configuration is a few kB, a calibration some 100 kB.
 constexpr std::size_t largest_file = 1U << 20U;  // bytes
 
-Place place_in(const YAML::Mark& mark, const Place& top) {
-  return mark.is_null() ? top : Place{top.file, mark.line + 1, mark.column + 1};
+Location location_in(const YAML::Mark& mark, const Location& top) {
+  return mark.is_null() ? top : Location{top.file, mark.line + 1, mark.column + 1};
 }
 
 /// UTF-16 of other systems: yaml-cpp reads it, but other tools do not.
-void refuse_utf16(const std::string& text, const Place& top) {
+void refuse_utf16(const std::string& text, const Location& top) {
   const bool has_mark = text.compare(0, 2, "\xFF\xFE") == 0 || text.compare(0, 2, "\xFE\xFF") == 0;
   const bool has_zero = text.size() > 1 && (text[0] == '\0') != (text[1] == '\0');
   if (has_mark || has_zero)
@@ -39,10 +39,10 @@ class DocumentBuilder : public YAML::EventHandler {
  public:
   using Kind = DocumentNode::Kind;
 
-  explicit DocumentBuilder(const Place& top) : top_(top) {}
+  explicit DocumentBuilder(const Location& top) : top_(top) {}
   void OnDocumentStart(const YAML::Mark& mark) override {
     if (root_ != nullptr)
-      throw ConfigError(place_in(mark, top_),
+      throw ConfigError(location_in(mark, top_),
                         "a second YAML document begins, or what is no YAML; expected one document per file");
   }
   void OnDocumentEnd() override {}
@@ -51,9 +51,9 @@ class DocumentBuilder : public YAML::EventHandler {
     const auto& node = anchors_.at(anchor);
     if (std::find(open_.begin(), open_.end(), node) != open_.end())
       throw ConfigError(
-          place_in(mark, top_),
+          location_in(mark, top_),
           "an alias stands for the list or mapping that it is a part of; expected one that ends before it");
-    place(node);
+    add_to_parent(node);
   }
   void OnScalar(const YAML::Mark& mark, const std::string& /*tag*/, YAML::anchor_t anchor,
                 const std::string& value) override {
@@ -74,13 +74,13 @@ class DocumentBuilder : public YAML::EventHandler {
 
  private:
   std::shared_ptr<DocumentNode> add(Kind kind, const YAML::Mark& mark, YAML::anchor_t anchor) {
-    const Place at = place_in(mark, {{}, 0, 0});
+    const Location at = location_in(mark, {{}, 0, 0});
     auto node = std::make_shared<DocumentNode>(DocumentNode{kind, at.line, at.column});
     if (anchor != YAML::NullAnchor) anchors_[anchor] = node;
-    place(node);
+    add_to_parent(node);
     return node;
   }
-  void place(const DocumentNode::Ptr& node) {
+  void add_to_parent(const DocumentNode::Ptr& node) {
     if (open_.empty()) {
       root_ = node;
     } else if (DocumentNode& parent = *open_.back(); parent.kind == Kind::list) {
@@ -92,7 +92,7 @@ class DocumentBuilder : public YAML::EventHandler {
     }
   }
 
-  const Place& top_;
+  const Location& top_;
   DocumentNode::Ptr root_;
   std::vector<std::shared_ptr<DocumentNode>> open_;  // lists and mappings that have not ended
   std::map<YAML::anchor_t, DocumentNode::Ptr> anchors_;
@@ -147,17 +147,17 @@ std::string cause_of(const YAML::Exception& error, const std::string& text) {
   }
   const bool is_of_map = error.msg == "illegal map value" || error.msg == "end of map not found";
   if (number == 0 || !is_of_map) return printable(error.msg);
-  const std::string place = "line " + std::to_string(number);
+  const std::string line_before = "line " + std::to_string(number);
   if ((last + ' ').find(": ") == std::string::npos)
-    return place + " has no key with a colon and a blank behind it";
+    return line_before + " has no key with a colon and a blank behind it";
   const bool is_below = line.find_first_not_of(' ') > last.find_first_not_of(' ');
-  return "its indentation does not go with " + place + (is_below ? ", which has a value already" : "");
+  return "its indentation does not go with " + line_before + (is_below ? ", which has a value already" : "");
 }
 
 }  // namespace
 
 Value parse_yaml(const std::string& text, const std::string& file) {
-  const Place top{file, 1, 1};
+  const Location top{file, 1, 1};
   try {
     refuse_utf16(text, top);
     std::istringstream stream(text);
@@ -167,13 +167,13 @@ Value parse_yaml(const std::string& text, const std::string& file) {
     if (parser.HandleNextDocument(builder)) parser.HandleNextDocument(builder);
     const auto root = builder.root() != nullptr ? builder.root() : std::make_shared<DocumentNode>();
     const bool is_empty = root->kind == DocumentNode::Kind::null;
-    const Place begin = is_empty ? top : Place{file, root->line, root->column};
+    const Location begin = is_empty ? top : Location{file, root->line, root->column};
     return {root, begin, begin, ""};
   } catch (const YAML::Exception& error) {
-    const Place place = place_in(error.mark, top);
-    const bool tab = is_indented_with_tab(text, place.line);
-    throw ConfigError(place, "not YAML: " + (tab ? "a tab in the indentation" : cause_of(error, text)) +
-                                 "; expected `key: value` lines, indented with blanks");
+    const Location location = location_in(error.mark, top);
+    const bool tab = is_indented_with_tab(text, location.line);
+    throw ConfigError(location, "not YAML: " + (tab ? "a tab in the indentation" : cause_of(error, text)) +
+                                    "; expected `key: value` lines, indented with blanks");
   }
 }
 

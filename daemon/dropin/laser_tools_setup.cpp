@@ -38,8 +38,8 @@ void add_grid(ParameterReader& reader, KeyMap& entry, Warnings& warnings) {
       warnings.push_back("parameter ~" + name + " is " + number_text(given) + "; the limit is " +
                          number_text(value));
     entry.emplace_back(name, value);
-    for (const Key& key : output_keys()) {
-      if (key.name == name) key.set(&output, value);
+    for (const Key& key : output_keys(output)) {
+      if (key.name == name) key.set(value);
     }
   }
   if (const auto made = make_grid(output.grid); !made)
@@ -47,7 +47,7 @@ void add_grid(ParameterReader& reader, KeyMap& entry, Warnings& warnings) {
 }
 
 /// Adds the grid and the keys of the configuration that are given as parameters.
-void add_output(ParameterReader& reader, const std::vector<Key>& keys, KeyMap& entry, Warnings& warnings) {
+void add_output(ParameterReader& reader, const Keys& keys, KeyMap& entry, Warnings& warnings) {
   add_grid(reader, entry, warnings);
   // The value that ira_laser_tools publishes for beams without a hit.
   entry.emplace_back("empty", reader.text("empty", "range_max_plus_one"));
@@ -117,11 +117,12 @@ DropinSetup laser_merger_setup(const NodeParameters& parameters) {
   const std::string scan_topic = reader.text("scan_destination_topic", "/scan_multi");
   std::vector<std::string> names;
   KeyMap sensors = sensors_of(topics, names);
-  KeyMap entry{{"laserscan_topics", key_value(names)},
+  KeyMap entry{{"laserscan_topics", KeyList(names.begin(), names.end())},
                {"destination_frame", frame},
                {"scan_destination_topic", scan_topic},
                {"cloud_destination_topic", reader.text("cloud_destination_topic", "/merged_cloud")}};
-  add_output(reader, merged_keys(), entry, setup.warnings);
+  MergedScanConfig usual;
+  add_output(reader, merged_keys(usual), entry, setup.warnings);
   setup.keys = {{"vehicle", KeyMap{{"base_frame", frame}}},
                 {"sensors", std::move(sensors)},
                 {"merged_scans", KeyMap{{entry_name(scan_topic), std::move(entry)}}}};
@@ -138,9 +139,10 @@ DropinSetup laser_virtualizer_setup(const NodeParameters& parameters) {
   KeyMap sensors = sensors_of({reader.text("cloud_topic", "/cloud_pcd")}, names);
   KeyMap entry{{"cloud_topic", names.front()},
                {"base_frame", base},
-               {"virtual_laser_scan", key_value(frames)},
+               {"virtual_laser_scan", KeyList(frames.begin(), frames.end())},
                {"output_laser_topic", reader.text("output_laser_topic", "")}};
-  add_output(reader, virtual_keys(), entry, setup.warnings);
+  VirtualScanConfig usual;
+  add_output(reader, virtual_keys(usual), entry, setup.warnings);
   if (parameters.count("min_height") + parameters.count("max_height") == 0)
     setup.warnings.emplace_back(
         "returns within 0.1 m of a plane are its scan (min_height, max_height); laserscan_virtualizer "
@@ -160,9 +162,12 @@ DropinSetup scan_unifier_setup(const NodeParameters& parameters) {
   KeyMap sensors = sensors_of(required_words(reader, "input_scans", "topics of LaserScans"), names);
   const std::string frame = reader.text("frame", "base_link");
   const double step = pi_d / 360;
-  KeyMap entry{{"laserscan_topics", key_value(names)},     {"destination_frame", frame},
-               {"scan_destination_topic", "scan_unified"}, {"angle_min", -pi_d + step / 100},
-               {"angle_max", pi_d - step / 100},           {"angle_increment", step}};
+  KeyMap entry{{"laserscan_topics", KeyList(names.begin(), names.end())},
+               {"destination_frame", frame},
+               {"scan_destination_topic", "scan_unified"},
+               {"angle_min", -pi_d + step / 100},
+               {"angle_max", pi_d - step / 100},
+               {"angle_increment", step}};
   setup.warnings.emplace_back("a beam without return is +inf (theirs: range_max)");
   setup.keys = {{"vehicle", KeyMap{{"base_frame", frame}}},
                 {"sensors", std::move(sensors)},

@@ -119,7 +119,8 @@ std::vector<MovedPackage> read_table() {
 }
 
 bool takes_key(const Model& model, std::string_view name) {
-  const auto& keys = sensor_keys();
+  SensorConfig any;
+  const Keys keys = sensor_keys(any);
   return std::any_of(keys.begin(), keys.end(), [&](const Key& key) {
     return key.name == name && (!key.trait || model.has(*key.trait));
   });

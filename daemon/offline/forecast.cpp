@@ -21,9 +21,12 @@ constexpr double unknown_reach = std::numeric_limits<double>::infinity();
 /// that can never come.
 class Forecast {
  public:
-  /// `text`: the source of `config`; `sights`: what its outputs can know.
-  Forecast(const Config& config, const std::string& text, const std::vector<FieldSight>& sights)
-      : config_(config), root_(parse_yaml(text, config.file)), sights_(sights), poses_(config, no_tf_) {}
+  /// `sights`: what its outputs can know.
+  Forecast(const Config& config, const std::vector<FieldSight>& sights)
+      : config_(config),
+        root_(parse_yaml(config.text, config.file)),
+        sights_(sights),
+        poses_(config, no_tf_) {}
 
   /// Each sentence begins with `file:line:column`.
   std::vector<std::string> all() {
@@ -58,7 +61,7 @@ class Forecast {
     return false;
   }
   void add(const Value& entry, const std::string& sentence) {
-    sentences_.push_back(entry.key_place().to_string() + ": " + entry.path() + ": " + sentence);
+    sentences_.push_back(entry.key_location().to_string() + ": " + entry.path() + ": " + sentence);
   }
   /// `unknown`: frames without configured pose; `lost`: the complete output needs them.
   void check_poses(const Value& entry, const std::set<std::string>& unknown, bool lost) {
@@ -205,9 +208,8 @@ class Forecast {
 
 }  // namespace
 
-std::vector<std::string> forecast(const Config& config, const std::string& text,
-                                  const std::vector<FieldSight>& sights) {
-  return Forecast(config, text, sights).all();
+std::vector<std::string> forecast(const Config& config, const std::vector<FieldSight>& sights) {
+  return Forecast(config, sights).all();
 }
 
 }  // namespace lidard

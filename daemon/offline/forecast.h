@@ -11,9 +11,8 @@
 namespace lidard {
 
 /// What a configuration shows without data: poses that come only from tf, sources of other nodes, and outputs
-/// that can never come. `text`: its source; `sights`: what its outputs can know. Each sentence begins with
+/// that can never come. `sights`: what its outputs can know. Each sentence begins with
 /// `file:line:column`.
-std::vector<std::string> forecast(const Config& config, const std::string& text,
-                                  const std::vector<FieldSight>& sights);
+std::vector<std::string> forecast(const Config& config, const std::vector<FieldSight>& sights);
 
 }  // namespace lidard

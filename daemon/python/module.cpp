@@ -10,6 +10,7 @@
 #include "daemon/config/yaml.h"
 #include "daemon/files/json_text.h"
 #include "daemon/offline/forecast.h"
+#include "daemon/offline/remarks.h"
 #include "daemon/offline/survey_json.h"
 #include "daemon/pipeline/log.h"
 #include "daemon/python/capture_reader.h"
@@ -127,10 +128,10 @@ std::string check(const std::string& text, const std::string& name) {
   const Config config = parse_config(text, name);
   const EmptyField field(config);
   const std::vector<FieldSight> sights = sights_of(config, field);
-  nlohmann::ordered_json out{{"warnings", config.warnings},
+  nlohmann::ordered_json out{{"warnings", remarks_on(config)},
                              {"outputs", nlohmann::ordered_json::array()},
                              {"config", to_yaml(config)}};
-  for (const auto& more : {config.host_remarks, forecast(config, text, sights)}) {
+  for (const auto& more : {host_remarks_on(config), forecast(config, sights)}) {
     for (const std::string& sentence : more) out["warnings"].push_back(sentence);
   }
   for (const FieldSight& sight : sights) {

@@ -7,6 +7,7 @@
 
 #include "daemon/files/json_text.h"
 #include "daemon/health/pipeline_health.h"
+#include "daemon/offline/remarks.h"
 #include "daemon/offline/survey_json.h"
 
 namespace lidard::python {
@@ -36,7 +37,7 @@ ReplayReader::ReplayReader(Config config, const std::vector<std::string>& captur
   for (const SensorConfig& sensor : config_.sensors) {
     for (const OutputTopic& topic : sensor_topics(sensor)) sensor_of_[topic.name] = sensor.name;
   }
-  warnings_ = config_.warnings;
+  warnings_ = remarks_on(config_);
   run_ = std::make_unique<Run>(config_, captures, motion, *this);
 }
 

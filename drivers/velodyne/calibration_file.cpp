@@ -58,13 +58,14 @@ const std::vector<std::string_view> known_of_laser = keys_of_laser();
 const std::vector<std::string_view> known_of_file = {"num_lasers", "distance_resolution", "lasers"};
 
 /// The distance step to use, with a warning: common VLS-128 files have 7 mm, but the sensor counts in 4 mm.
-double guarded_step(double step_m, std::size_t lasers, const std::string& place,
+double guarded_step(double step_m, std::size_t lasers, const std::string& location,
                     std::vector<std::string>& warnings) {
   constexpr double wrong_step_m = 0.007;
   constexpr double right_step_m = 0.004;  // VLS-128 user manual 63-9483
   if (lasers != static_cast<std::size_t>(most_lasers) || std::abs(step_m - wrong_step_m) > 1e-6)
     return step_m;
-  warnings.push_back(place + ": a distance step of 7 mm is a known mistake of VLS-128 files; 4 mm is used");
+  warnings.push_back(location +
+                     ": a distance step of 7 mm is a known mistake of VLS-128 files; 4 mm is used");
   return right_step_m;
 }
 
@@ -85,7 +86,7 @@ class YamlCalibration {
     read_lasers(*lasers, entries.find("num_lasers"), calibration.lasers);
     const double step_m = step->number(finest_step_m, coarsest_step_m, "m");
     calibration.distance_step_m =
-        guarded_step(step_m, calibration.lasers.size(), step->place().to_string(), warnings_);
+        guarded_step(step_m, calibration.lasers.size(), step->location().to_string(), warnings_);
     warn_of_two_point(*lasers, calibration);
     return calibration;
   }
@@ -103,7 +104,7 @@ class YamlCalibration {
       if (std::find(known.begin(), known.end(), key) != known.end() || !reported_.insert(key).second)
         continue;
       const std::string_view near = nearest_word(key, known);
-      warnings_.push_back(entry.key_place().to_string() + ": unknown key " + entry.path() + " is ignored" +
+      warnings_.push_back(entry.key_location().to_string() + ": unknown key " + entry.path() + " is ignored" +
                           (near.empty() ? "" : "; perhaps " + std::string(near)));
     }
     return mapping;
@@ -157,7 +158,7 @@ class YamlCalibration {
     if (highest) laser.max_intensity = static_cast<int>(std::floor(highest->number(0, limit, "")));
     const std::optional<Value>& last = highest ? highest : lowest;
     if (last && laser.min_intensity > laser.max_intensity)
-      warnings_.push_back(last->place().to_string() +
+      warnings_.push_back(last->location().to_string() +
                           ": min_intensity is above max_intensity, so all intensities become " +
                           std::to_string(laser.max_intensity));
   }
@@ -167,7 +168,7 @@ class YamlCalibration {
         std::count_if(calibration.lasers.begin(), calibration.lasers.end(),
                       [](const LaserCalibration& laser) { return laser.two_point == TwoPoint::unstated; });
     if (count == 0) return;
-    warnings_.push_back(list.key_place().to_string() + ": " + std::to_string(count) +
+    warnings_.push_back(list.key_location().to_string() + ": " + std::to_string(count) +
                         " lasers have near corrections but no two_pt_correction_available: calibration_model "
                         "ros_drivers leaves them out, as velodyne_pointcloud does, exact uses them");
   }
@@ -201,14 +202,14 @@ class XmlCalibration {
         step == nullptr ? usual_step_cm * m_per_cm
                         : number(*step, finest_step_m / m_per_cm, coarsest_step_m / m_per_cm) * m_per_cm;
     const int line = step == nullptr ? db->GetLineNum() : step->GetLineNum();
-    calibration.distance_step_m = guarded_step(step_m, calibration.lasers.size(), place(line), warnings_);
+    calibration.distance_step_m = guarded_step(step_m, calibration.lasers.size(), location(line), warnings_);
     return calibration;
   }
 
  private:
-  std::string place(int line) const { return name_ + ":" + std::to_string(line); }
+  std::string location(int line) const { return name_ + ":" + std::to_string(line); }
   [[noreturn]] void fail(int line, const std::string& what, const std::string& expected) const {
-    throw ConfigError(place(std::max(line, 1)) + ": " + what + "; expected " + expected);
+    throw ConfigError(location(std::max(line, 1)) + ": " + what + "; expected " + expected);
   }
 
   double number(const XMLElement& element, double lowest, double highest) const {

@@ -20,34 +20,27 @@ void complete(SensorConfig& sensor) {
   set_ring_limits(sensor);
 }
 
-KeyValue get_output(const Key& key, const Reconfigurable& output) { return key.get(&output.config); }
-void set_output(const Key& key, Reconfigurable& output, const KeyValue& value) {
-  key.set(&output.config, value);
-}
-
 /// The increment in force, which may follow from the number of beams; setting it sets that number.
-KeyValue get_increment(const Key& /*key*/, const Reconfigurable& output) {
-  const auto grid = make_grid(output.config.grid);
-  return key_value(output.config.grid.angle_increment.value_or(grid ? grid->increment : 0));
-}
-void set_increment(const Key& key, Reconfigurable& output, const KeyValue& value) {
-  key.set(&output.config, value);
-  output.config.grid.beams.reset();
+void make_increment(Key& key, ScanGridSpec& grid) {
+  const auto made = make_grid(grid);
+  if (!key.value.is_set()) key.value = made ? made->increment : 0.0;
+  key.setter = [&grid](const KeyValue& value, const Form&) {
+    grid.angle_increment = std::get<double>(value);
+    grid.beams.reset();
+  };
 }
 
 /// The items have the limits of their keys; those of ira_laser_tools' nodes have their own.
-std::vector<ReconfigurableItem> items_of(OutputId::Kind kind, ReconfigureNames names) {
-  std::vector<ReconfigurableItem> items;
-  for (const Key& key : output_keys()) {
+Keys output_items(Reconfigurable& output) {
+  Keys items;
+  for (Key key : output_keys(output.config)) {
     const GridLimit* const limit = grid_limit(key.name);
-    const bool wanted = names == ReconfigureNames::node
-                            ? limit != nullptr
-                            : key.live && (key.name != "profile" || kind == OutputId::Kind::merged);
-    if (!wanted) continue;
-    const bool is_increment = key.name == "angle_increment";
-    items.emplace_back(key, is_increment ? get_increment : get_output,
-                       is_increment ? set_increment : set_output);
-    if (names == ReconfigureNames::node) items.back().lowest = limit->min, items.back().highest = limit->max;
+    const bool of_node = output.names == ReconfigureNames::node;
+    const bool is_merged = output.id.kind == OutputId::Kind::merged;
+    if (!(of_node ? limit != nullptr : key.live && (key.name != "profile" || is_merged))) continue;
+    if (key.name == "angle_increment") make_increment(key, output.config.grid);
+    if (of_node) key.lowest = limit->min, key.highest = limit->max;
+    items.push_back(std::move(key));
   }
   return items;
 }
@@ -66,7 +59,7 @@ std::string flat_source(const MergedScanConfig& merged, const Config& config) {
   return {};
 }
 
-Reconfigurable merged_output(const MergedScanConfig& merged, const Config& config, ReconfigureNames names) {
+Reconfigurable merged_output(const MergedScanConfig& merged, const Config& config) {
   Reconfigurable output;
   output.id = {OutputId::Kind::merged, merged.name};
   output.topics.push_back(merged.scan_destination_topic);
@@ -75,11 +68,10 @@ Reconfigurable merged_output(const MergedScanConfig& merged, const Config& confi
   output.free_required = merged.free_required;
   output.flat_source = flat_source(merged, config);
   output.config = merged.output;
-  output.items = items_of(output.id.kind, names);
   return output;
 }
 
-Reconfigurable virtual_output(const VirtualScanConfig& group, ReconfigureNames names) {
+Reconfigurable virtual_output(const VirtualScanConfig& group) {
   Reconfigurable output;
   output.id = {OutputId::Kind::virtual_group, group.name};
   std::set<std::string> topics;
@@ -89,7 +81,6 @@ Reconfigurable virtual_output(const VirtualScanConfig& group, ReconfigureNames n
   }
   output.topics.assign(topics.begin(), topics.end());
   output.config = group.output;
-  output.items = items_of(output.id.kind, names);
   return output;
 }
 
@@ -104,54 +95,45 @@ struct {
                             {"view_direction", -pi_d, pi_d},
                             {"view_width", 0, two_pi}};
 
-KeyValue get_sensor(const Key& key, const Reconfigurable& output) { return key.get(&*output.sensor); }
-void set_sensor(const Key& key, Reconfigurable& output, const KeyValue& value) {
-  key.set(&*output.sensor, value);
-}
-
-/// organize_cloud of velodyne_pointcloud, a flag.
-KeyValue get_organized(const Key& /*key*/, const Reconfigurable& output) {
-  return output.sensor->layout.order != CloudOrder::list;
-}
-void set_organized(const Key& /*key*/, Reconfigurable& output, const KeyValue& value) {
-  output.sensor->layout.order = std::get<bool>(value) ? CloudOrder::firing_rows : CloudOrder::list;
-}
-
-Reconfigurable sensor_output(const SensorConfig& sensor) {
-  Reconfigurable output;
-  output.id.entry = sensor.name;
-  output.sensor = sensor;
+/// Of a sensor these, and organize_cloud of velodyne_pointcloud, a flag.
+Keys sensor_items(SensorConfig& sensor) {
+  Keys items;
   for (const auto& limit : sensor_limits) {
-    for (const Key& key : sensor_keys()) {
+    for (const Key& key : sensor_keys(sensor)) {
       if (key.name != limit.name || !accepts(sensor, key)) continue;
-      ReconfigurableItem& item = output.items.emplace_back(key, get_sensor, set_sensor);
-      item.lowest = limit.min, item.highest = limit.max;
+      items.push_back(key);
+      items.back().lowest = limit.min, items.back().highest = limit.max;
     }
   }
-  const Key organized({KeyKind::flag, 0, 1}, {}, "organize_cloud",
-                      "a row of the cloud for each firing sequence");
-  output.items.emplace_back(organized, get_organized, set_organized);
-  return output;
+  CloudOrder& order = sensor.layout.order;
+  items.emplace_back("organize_cloud", KeyValue(order != CloudOrder::list), Form{KeyKind::flag, 0, 1},
+                     "a row of the cloud for each firing sequence");
+  items.back().setter = [&order](const KeyValue& value, const Form&) {
+    order = std::get<bool>(value) ? CloudOrder::firing_rows : CloudOrder::list;
+  };
+  return items;
 }
 
+KeyValue value_in_force(const Key& item) { return item.value.is_set() ? item.value : item.otherwise; }
+
 /// Applies a value of a request; a number at the limit of a key that may be unset stands for "not set".
-std::string apply_item(const ReconfigurableItem& item, const ItemValues& wanted, Reconfigurable& output) {
+std::string apply_item(const Key& item, const ItemValues& wanted) {
   const std::string name(item.name);
   const KeyValue& value = wanted.at(name);
   if (const auto* number = std::get_if<double>(&value)) {
     if (std::isnan(*number)) return name + " is not a number; expected one";
     const double within = std::clamp(*number, item.lowest, item.highest);
     const auto* const none = std::get_if<double>(&item.otherwise);
-    item.set_in(item, output, none != nullptr && within == *none ? KeyValue() : within);
+    item.set(none != nullptr && within == *none ? KeyValue() : within);
   } else if (const auto* word = std::get_if<std::string>(&value)) {
     std::string expected;
     for (const Word& one : item.words) expected.append(expected.empty() ? "" : ", ").append(one.text);
     const auto is_it = [&](const Word& one) { return one.text == *word; };
     if (std::none_of(item.words.begin(), item.words.end(), is_it))
       return name + " is '" + *word + "'; expected one of " + expected;
-    item.set_in(item, output, value);
+    item.set(value);
   } else {
-    item.set_in(item, output, value);
+    item.set(value);
   }
   return {};
 }
@@ -179,7 +161,7 @@ std::string conflict(const Reconfigurable& output) {
 
 using ConfigMessage = dynamic_reconfigure::Config;
 
-void add(ConfigMessage& config, const ReconfigurableItem& item, const KeyValue& value) {
+void add(ConfigMessage& config, const Key& item, const KeyValue& value) {
   const auto put = [&](auto& list, const auto& held) {
     auto& one = list.emplace_back();
     one.name = item.name;
@@ -191,13 +173,13 @@ void add(ConfigMessage& config, const ReconfigurableItem& item, const KeyValue& 
 }
 
 /// The limit of a number.
-KeyValue limit_of(const ReconfigurableItem& item, double limit) {
+KeyValue limit_of(const Key& item, double limit) {
   if (item.kind == KeyKind::flag) return limit > 0;
   return item.words.empty() ? KeyValue(limit) : KeyValue(std::string());
 }
 
 /// The meaning, the unit, and the value for "not set".
-std::string description_of(const ReconfigurableItem& item) {
+std::string description_of(const Key& item) {
   std::string text(item.meaning);
   if (!item.unit.empty()) text.append(", ").append(item.unit);
   const auto* none = std::get_if<double>(&item.otherwise);
@@ -214,7 +196,7 @@ ConfigMessage with_group() {
 }
 
 /// How rqt_reconfigure offers words: a Python literal, as parameter_generator writes it.
-std::string edit_method(const ReconfigurableItem& item) {
+std::string edit_method(const Key& item) {
   if (item.words.empty()) return {};
   std::string entries;
   for (const Word& one : item.words) {
@@ -227,7 +209,7 @@ std::string edit_method(const ReconfigurableItem& item) {
   return "{'enum_description': '" + description_of(item) + "', 'enum': [" + entries + "]}";
 }
 
-dynamic_reconfigure::ParamDescription described(const ReconfigurableItem& item) {
+dynamic_reconfigure::ParamDescription described(const Key& item) {
   dynamic_reconfigure::ParamDescription description;
   description.name = item.name;
   description.type = item.kind == KeyKind::flag ? "bool" : item.words.empty() ? "double" : "str";
@@ -240,8 +222,8 @@ dynamic_reconfigure::ParamDescription described(const ReconfigurableItem& item) 
 
 std::vector<Reconfigurable> changeable_outputs(const Config& config, ReconfigureNames names) {
   std::vector<Reconfigurable> outputs;
-  for (const auto& merged : config.merged_scans) outputs.push_back(merged_output(merged, config, names));
-  for (const auto& group : config.virtual_scans) outputs.push_back(virtual_output(group, names));
+  for (const auto& merged : config.merged_scans) outputs.push_back(merged_output(merged, config));
+  for (const auto& group : config.virtual_scans) outputs.push_back(virtual_output(group));
   std::set<std::string> used;
   for (Reconfigurable& output : outputs) {
     output.server = output.id.entry;
@@ -249,23 +231,26 @@ std::vector<Reconfigurable> changeable_outputs(const Config& config, Reconfigure
   }
   if (names == ReconfigureNames::node && outputs.empty()) {
     for (const SensorConfig& sensor : config.sensors) {
-      if (sensor.model != nullptr && sensor.model->has(Trait::revolutions))
-        outputs.push_back(sensor_output(sensor));
+      if (sensor.model == nullptr || !sensor.model->has(Trait::revolutions)) continue;
+      outputs.emplace_back().id.entry = sensor.name;
+      outputs.back().sensor = sensor;
     }
   }
   if (names == ReconfigureNames::node && !outputs.empty()) {
     outputs.resize(1);
     outputs.front().server.clear();
   }
+  for (Reconfigurable& output : outputs) output.names = names;
   return outputs;
 }
 
-ItemValues values_of(const Reconfigurable& output) {
+Keys items_of(Reconfigurable& output) {
+  return output.sensor ? sensor_items(*output.sensor) : output_items(output);
+}
+
+ItemValues values_of(Reconfigurable output) {
   ItemValues values;
-  for (const ReconfigurableItem& item : output.items) {
-    const KeyValue value = item.get_from(item, output);
-    values[std::string(item.name)] = value.is_set() ? value : item.otherwise;
-  }
+  for (const Key& item : items_of(output)) values[std::string(item.name)] = value_in_force(item);
   return values;
 }
 
@@ -277,8 +262,8 @@ std::string change(Reconfigurable& output, const ItemValues& wanted) {
     if (known != values.end() && known->second.index() == value.index()) known->second = value;
   }
   Reconfigurable changed = output;
-  for (const ReconfigurableItem& item : output.items) {
-    if (std::string complaint = apply_item(item, values, changed); !complaint.empty()) return complaint;
+  for (const Key& item : items_of(changed)) {
+    if (std::string complaint = apply_item(item, values); !complaint.empty()) return complaint;
   }
   if (changed.sensor) complete(*changed.sensor);
   if (std::string complaint = conflict(changed); !complaint.empty()) return complaint;
@@ -301,21 +286,20 @@ ItemValues read_values(const ConfigMessage& config) {
   return values;
 }
 
-ConfigMessage config_message(const Reconfigurable& output) {
+ConfigMessage config_message(Reconfigurable output) {
   ConfigMessage config = with_group();
-  const ItemValues values = values_of(output);
-  for (const ReconfigurableItem& item : output.items) add(config, item, values.at(std::string(item.name)));
+  for (const Key& item : items_of(output)) add(config, item, value_in_force(item));
   return config;
 }
 
-dynamic_reconfigure::ConfigDescription description_message(const Reconfigurable& output) {
+dynamic_reconfigure::ConfigDescription description_message(Reconfigurable output) {
   dynamic_reconfigure::ConfigDescription description;
   description.groups.emplace_back();
   description.groups.back().name = "Default";
   description.min = with_group();
   description.max = with_group();
   description.dflt = config_message(output);
-  for (const ReconfigurableItem& item : output.items) {
+  for (const Key& item : items_of(output)) {
     description.groups.back().parameters.push_back(described(item));
     add(description.min, item, limit_of(item, item.lowest));
     add(description.max, item, limit_of(item, item.highest));

@@ -16,17 +16,6 @@
 
 namespace lidard {
 
-struct Reconfigurable;
-/// A setting of an output that may be changed while it runs: a key with limits of its own, as it is shown and
-/// set.
-struct ReconfigurableItem : Key {
-  using Get = KeyValue (*)(const Key& key, const Reconfigurable& output);
-  using Set = void (*)(const Key& key, Reconfigurable& output, const KeyValue& value);
-  ReconfigurableItem(const Key& key, Get getter, Set setter) : Key(key), get_from(getter), set_in(setter) {}
-  Get get_from;
-  Set set_in;
-};
-
 /// Values of items by name.
 using ItemValues = std::map<std::string, KeyValue>;
 
@@ -39,14 +28,17 @@ struct Reconfigurable {
   std::string flat_source;             ///< a source without evidence, so that profile is flatten; empty: none
   OutputScanConfig config;             ///< in force
   std::optional<SensorConfig> sensor;  ///< in force, where it is a sensor's; then `config` means nothing
-  std::vector<ReconfigurableItem> items;
+  ReconfigureNames names = ReconfigureNames::entries;
 };
 
 /// The outputs of a configuration with their items.
 std::vector<Reconfigurable> changeable_outputs(const Config& config, ReconfigureNames names);
 
+/// The settings of an output that may be changed while it runs: its keys, with limits of their own. They are
+/// bound to `output`.
+Keys items_of(Reconfigurable& output);
 /// The values in force.
-ItemValues values_of(const Reconfigurable& output);
+ItemValues values_of(Reconfigurable output);
 
 /// Changes `output` to `wanted`, in which items may be missing; numbers are brought into their limits first.
 /// Returns why it cannot be and the remedy, then nothing changes; empty after success.
@@ -58,8 +50,8 @@ std::size_t beams_of(const OutputScanConfig& config);
 /// The values of a request.
 ItemValues read_values(const dynamic_reconfigure::Config& config);
 /// The values in force as a message.
-dynamic_reconfigure::Config config_message(const Reconfigurable& output);
+dynamic_reconfigure::Config config_message(Reconfigurable output);
 /// The items with their limits as a message; the values in force are their defaults.
-dynamic_reconfigure::ConfigDescription description_message(const Reconfigurable& output);
+dynamic_reconfigure::ConfigDescription description_message(Reconfigurable output);
 
 }  // namespace lidard

@@ -9,8 +9,6 @@
 namespace lidard {
 namespace {
 
-using S = VelodyneSettings;
-
 // Ranges: VLP-16 user manual 63-9243 Rev D, section 10.2.
 constexpr double slowest_rpm = 300;
 constexpr double fastest_rpm = 1200;
@@ -30,20 +28,20 @@ std::optional<Rejection> no_host(const KeyValue& value) {
   return Rejection{"is {}", host_form};
 }
 
-Keys<S> wanted_keys() {
+Keys wanted_keys(VelodyneSettings& wanted) {
   using namespace keys;
-  return {{"rpm", &S::rpm, whole(slowest_rpm, fastest_rpm, no_rpm), "speed of rotation, a multiple of 60"},
-          {"returns", &S::returns,
+  return {{"rpm", wanted.rpm, whole(slowest_rpm, fastest_rpm, no_rpm), "speed of rotation, a multiple of 60"},
+          {"returns", wanted.returns,
            word({{"strongest", VelodyneReturns::strongest},
                  {"last", VelodyneReturns::last},
                  {"dual", VelodyneReturns::dual}}),
            "which returns it sends"},
-          {"fov_start_deg", &S::fov_start_deg, whole(0, 359),
+          {"fov_start_deg", wanted.fov_start_deg, whole(0, 359),
            "begin of the sector that it sends, as it counts azimuth"},
-          {"fov_end_deg", &S::fov_end_deg, whole(0, 360), "end of that sector; 0 to 360 is all"},
-          {"host_address", &S::host_address, text(host_form, no_host), "where it sends"},
-          {"host_port", &S::host_port, whole(1, last_port), "the port that it sends its data to"},
-          {"host_telemetry_port", &S::host_telemetry_port, whole(1, last_port),
+          {"fov_end_deg", wanted.fov_end_deg, whole(0, 360), "end of that sector; 0 to 360 is all"},
+          {"host_address", wanted.host_address, text(host_form, no_host), "where it sends"},
+          {"host_port", wanted.host_port, whole(1, last_port), "the port that it sends its data to"},
+          {"host_telemetry_port", wanted.host_telemetry_port, whole(1, last_port),
            "the port that it sends its satellite receiver's sentences to"}};
 }
 
@@ -63,15 +61,14 @@ void check_permissions(const Mapping& yaml, const VelodyneControl& control) {
 
 }  // namespace
 
-Keys<VelodyneControl> control_keys() {
+Keys control_keys(VelodyneControl& control) {
   using namespace keys;
-  using C = VelodyneControl;
-  return {
-      Keys<C>{
-          {"read", &C::read, flag, "asks the sensor for its settings", preset("true if a setting is wanted")},
-          {"allow_write", &C::allow_write, flag, "settings that differ from those wanted here are written"},
-          {"port", &C::port, whole(1, last_port), "TCP port of its web interface"}},
-      within(&C::wanted, wanted_keys())};
+  return join(
+      {{{"read", control.read, flag, "asks the sensor for its settings",
+         preset("true if a setting is wanted")},
+        {"allow_write", control.allow_write, flag, "settings that differ from those wanted here are written"},
+        {"port", control.port, whole(1, last_port), "TCP port of its web interface"}},
+       wanted_keys(control.wanted)});
 }
 
 void check_control(const Mapping& yaml, const std::optional<IpAddress>& address, VelodyneControl& control,
@@ -86,7 +83,7 @@ void check_control(const Mapping& yaml, const std::optional<IpAddress>& address,
     yaml.where("fov_end_deg").fail("is fov_start_deg too", "0 and 360 for all, in whole degrees");
   if (control.wanted.host_port && *control.wanted.host_port != control.data_port) {
     const Value& port = yaml.where("host_port");
-    warnings.push_back(port.place().to_string() + ": " + port.path() +
+    warnings.push_back(port.location().to_string() + ": " + port.path() +
                        " makes the sensor send to a port that is not its ip_port, " +
                        std::to_string(control.data_port) + ": its data will not arrive here");
   }

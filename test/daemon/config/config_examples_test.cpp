@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <yaml-cpp/yaml.h>
 
@@ -15,6 +16,7 @@
 
 #include "daemon/commands/commands.h"
 #include "daemon/config/config.h"
+#include "daemon/offline/remarks.h"
 #include "drivers/registry/registry.h"
 #include "test/support/captures.h"
 
@@ -82,7 +84,7 @@ TEST(ExampleConfigs, AreAllRead) {
   EXPECT_GE(files.size(), 4U);
   for (const std::string& file : files) {
     const Config config = load_config(file);
-    EXPECT_TRUE(config.warnings.empty()) << config.warnings.front();
+    EXPECT_THAT(remarks_on(config), testing::IsEmpty());
     EXPECT_EQ(to_yaml(parse_config(to_yaml(config), "again")), to_yaml(config)) << file;
     EXPECT_NO_THROW(parse_config(with_options(file), file)) << "with its options";
   }

@@ -12,6 +12,7 @@
 #include <sstream>
 
 #include "daemon/commands/commands.h"
+#include "daemon/offline/remarks.h"
 #include "test/daemon/config/config_support.h"
 #include "test/support/captures.h"
 #include "test/support/golden.h"
@@ -24,7 +25,7 @@ std::string said_of(const std::string& text) {
   try {
     const Config config = parse_config(text, "f");
     std::string all = "accepted";
-    for (const std::string& warning : config.warnings) all += "; remark: " + warning;
+    for (const std::string& warning : remarks_on(config)) all += "; remark: " + warning;
     return all + "\n" + to_yaml(config);
   } catch (const ConfigError& error) {
     return error.what();

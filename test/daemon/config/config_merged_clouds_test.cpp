@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "daemon/offline/remarks.h"
 #include "drivers/registry/registry.h"
 #include "test/daemon/config/config_support.h"
 
@@ -35,7 +36,7 @@ TEST(MergedCloudConfigs, NameSensorsOfAllKindsByNameOrTopic) {
   EXPECT_EQ(merged.schedule.policy, Policy::complete);
   EXPECT_EQ(output_topics(config).back().kind, TopicKind::merged_cloud);
   EXPECT_EQ(output_topics(config).back().name, "around");
-  EXPECT_TRUE(config.warnings.empty()) << "the camera is used";
+  EXPECT_TRUE(remarks_on(config).empty()) << "the camera is used";
 }
 
 TEST(MergedCloudConfigs, MistakesNameTheirPlaceAndTheRemedy) {

@@ -5,6 +5,7 @@
 
 #include <array>
 
+#include "daemon/offline/remarks.h"
 #include "drivers/registry/registry.h"
 #include "test/daemon/config/config_support.h"
 
@@ -111,7 +112,7 @@ TEST(MergedScanConfig, ReadsTheProfileAndWhatItNeeds) {
       "echoes: all, veil_filter: no, range_noise: 0.03, range_max: 30, free_required: 28, also: {safe: "
       "safety, flat: flatten}}}\n"
       "vehicle: {footprint: [[-1, -1], [1, -1], [0, 1]]}");
-  EXPECT_TRUE(config.warnings.empty());
+  EXPECT_TRUE(remarks_on(config).empty());
   const MergedScanConfig& m = config.merged_scans[0];
   EXPECT_EQ(m.output.profile, Profile::strict);
   EXPECT_EQ(m.output.unobserved, EmptyBeam::minus_inf);
@@ -220,7 +221,7 @@ TEST(VirtualScanConfig, GetsItsDefaults) {
   EXPECT_EQ(scan.output.max_height, 0.1);
   EXPECT_EQ(scan.output.grid.range_min, find_model("velodyne_vlp16")->range_min);
   EXPECT_EQ(scan.output.grid.range_max, find_model("velodyne_vlp16")->range_max);
-  EXPECT_TRUE(config.warnings.empty());
+  EXPECT_TRUE(remarks_on(config).empty());
 }
 
 TEST(VirtualScanConfig, ReadsTheProfileAndWhatItNeeds) {
@@ -230,7 +231,7 @@ TEST(VirtualScanConfig, ReadsTheProfileAndWhatItNeeds) {
       "min_height: 0.1, max_height: 1.8, ground: {model: slope, z: -0.3, tolerance: 0.05}, "
       "echoes: all, range_max: 50, "
       "no_return_free_range: 40, unobserved: minus_inf, also: {safe: safety}}}\n");
-  EXPECT_TRUE(config.warnings.empty());
+  EXPECT_TRUE(remarks_on(config).empty());
   const VirtualScanConfig& scan = config.virtual_scans.at(0);
   EXPECT_EQ(scan.output.profile, Profile::strict);
   EXPECT_EQ(scan.mode, CutMode::band);
@@ -249,7 +250,7 @@ TEST(VirtualScanConfig, BeamsWithoutReturnProveFreedomOnlyWhereTheDriverIsOurs) 
   const Config config = with_outputs(
       "virtual_scans: {v: {cloud_topic: roof, virtual_laser_scan: a, profile: strict, ground: plane},\n"
       "  w: {cloud_topic: rear, virtual_laser_scan: b, profile: safety, ground: none}}\n");
-  EXPECT_TRUE(config.warnings.empty());
+  EXPECT_TRUE(remarks_on(config).empty());
   EXPECT_EQ(config.virtual_scans[0].no_return_free_range, find_model("velodyne_vlp16")->range_max);
   EXPECT_EQ(config.virtual_scans[0].ground.model, GroundModel::plane);
   EXPECT_EQ(config.virtual_scans[1].no_return_free_range, 0);
@@ -299,7 +300,7 @@ TEST(VirtualScanConfig, LooksForTheGroundUnlessItIsToldWhereItIs) {
       "virtual_scans: {v: {cloud_topic: roof, virtual_laser_scan: a, profile: strict},\n"
       "  w: {cloud_topic: roof, virtual_laser_scan: b, profile: strict, ground: none}}\n"
       "merged_scans: {m: {laserscan_topics: rear}}\n");
-  EXPECT_TRUE(config.warnings.empty());
+  EXPECT_TRUE(remarks_on(config).empty());
   EXPECT_EQ(config.virtual_scans[0].ground.model, GroundModel::slope);
   EXPECT_EQ(config.virtual_scans[1].ground.model, GroundModel::none);
 }

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "daemon/offline/remarks.h"
 #include "drivers/registry/registry.h"
 #include "test/daemon/config/config_support.h"
 
@@ -28,7 +29,7 @@ TEST(SensorConfig, GetsItsDefaultsFromTheModelAndItsName) {
   EXPECT_EQ(roof.driver.clock, ClockMode::smooth);
   EXPECT_EQ(roof.driver.time_offset, Span(0));
   EXPECT_EQ(config.vehicle.base_frame, "base_link");
-  EXPECT_TRUE(config.warnings.empty());
+  EXPECT_TRUE(remarks_on(config).empty());
 }
 
 TEST(SensorConfig, TakesEveryKeyOfACloudSensor) {

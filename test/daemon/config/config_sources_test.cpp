@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "daemon/offline/remarks.h"
 #include "test/daemon/config/config_support.h"
 
 namespace lidard {
@@ -158,10 +159,10 @@ TEST(MergedScanConfig, AsksWhichSourceMustSeeAFreeBeamWhereHeightsDiffer) {
       "vehicle: {footprint: [[-1, -1], [1, -1], [0, 1]]}\n"
       "merged_scans: {m: {laserscan_topics: [low, high], profile: strict, range_max: 30";
   const Config open = parse_config(sensors + "}}", "f");
-  ASSERT_EQ(open.warnings.size(), 1U);
-  EXPECT_THAT(open.warnings[0], HasSubstr("0.20 to 0.60 m high"));
+  ASSERT_EQ(remarks_on(open).size(), 1U);
+  EXPECT_THAT(remarks_on(open)[0], HasSubstr("0.20 to 0.60 m high"));
   const Config answered = parse_config(sensors + ", free_requires: low}}", "f");
-  EXPECT_TRUE(answered.warnings.empty());
+  EXPECT_TRUE(remarks_on(answered).empty());
   const MergedScanConfig& m = answered.merged_scans[0];
   EXPECT_EQ(m.free_requires, std::vector<std::string>{"low"});
   EXPECT_FALSE(m.source_settings.at("high").proves_free);

@@ -28,21 +28,22 @@ virtual_scans:
   return config;
 }
 
-std::vector<std::string> names_of(const Reconfigurable& output) {
+std::vector<std::string> names_of(Reconfigurable output) {
   std::vector<std::string> names;
-  for (const auto& item : output.items) names.emplace_back(item.name);
+  for (const Key& item : items_of(output)) names.emplace_back(item.name);
   return names;
 }
 
 TEST(OutputItems, AreThoseOfTheAncestorForItsNodes) {
-  const auto outputs = changeable_outputs(vehicle(), ReconfigureNames::node);
+  auto outputs = changeable_outputs(vehicle(), ReconfigureNames::node);
   ASSERT_EQ(outputs.size(), 1U);
   EXPECT_EQ(outputs[0].server, "");
   EXPECT_THAT(names_of(outputs[0]), ElementsAre("angle_min", "angle_max", "angle_increment", "time_increment",
                                                 "scan_time", "range_min", "range_max"));
-  EXPECT_EQ(outputs[0].items[0].lowest, -M_PI);
-  EXPECT_EQ(outputs[0].items[5].highest, 50);
-  EXPECT_EQ(outputs[0].items[6].highest, 1000);
+  const Keys items = items_of(outputs[0]);
+  EXPECT_EQ(items[0].lowest, -M_PI);
+  EXPECT_EQ(items[5].highest, 50);
+  EXPECT_EQ(items[6].highest, 1000);
 }
 
 TEST(OutputItems, HaveAServerForEachEntryOfTheConfiguration) {
@@ -52,7 +53,7 @@ TEST(OutputItems, HaveAServerForEachEntryOfTheConfiguration) {
   EXPECT_EQ(outputs[1].server, "around_virtual");
   EXPECT_THAT(outputs[0].topics, ElementsAre("around", "around_safe"));
   EXPECT_THAT(outputs[1].topics, ElementsAre("bumper", "chest"));
-  EXPECT_EQ(outputs[1].items.size() + 1, outputs[0].items.size()) << "virtual scans without profile";
+  EXPECT_EQ(names_of(outputs[1]).size() + 1, names_of(outputs[0]).size()) << "virtual scans without profile";
 }
 
 TEST(OutputItems, HaveTheTopicsOfFurtherVirtualScansToo) {
@@ -157,16 +158,16 @@ merged_scans:
 TEST(OutputItems, TravelAsDynamicReconfigureHasThem) {
   const Reconfigurable output = changeable_outputs(vehicle(), ReconfigureNames::entries)[0];
   const auto config = config_message(output);
-  EXPECT_EQ(config.doubles.size() + config.strs.size(), output.items.size());
+  EXPECT_EQ(config.doubles.size() + config.strs.size(), names_of(output).size());
   ASSERT_EQ(config.groups.size(), 1U);
   EXPECT_TRUE(config.groups[0].state);
   const ItemValues read = read_values(config);
   EXPECT_EQ(std::get<double>(read.at("range_max")), 20);
   EXPECT_EQ(std::get<std::string>(read.at("profile")), "strict");
   const auto description = description_message(output);
-  EXPECT_EQ(description.groups.at(0).parameters.size(), output.items.size());
+  EXPECT_EQ(description.groups.at(0).parameters.size(), names_of(output).size());
   for (const auto* part : {&description.min, &description.max, &description.dflt})
-    EXPECT_EQ(part->doubles.size() + part->strs.size(), output.items.size());
+    EXPECT_EQ(part->doubles.size() + part->strs.size(), names_of(output).size());
   dynamic_reconfigure::Config with_int;
   with_int.ints.emplace_back();
   with_int.ints[0].name = "range_max";

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/config/pose_edit.h"
+#include "daemon/commands/mount_edit.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ std::string edited(const std::string& text, const std::map<std::string, MountEdi
 
 const Pose wanted = make_pose({1.25, -0.5, 0.3}, {0, 0, 90 * rad_per_deg});
 
-TEST(PoseEdit, ReplacesNumbersAndLeavesAllElseAsItIs) {
+TEST(MountEdit, ReplacesNumbersAndLeavesAllElseAsItIs) {
   const char* const text =
       "# yard truck\nsensors:\n  left:   # front\n    model: sick_microscan3\n"
       "    pose: {xyz: [0, 1, 0.35], rpy_deg: [0, 0, 45]}   # by tape\n  right: {pose: {xyz: [0, 0, 0]}}\n";
@@ -27,7 +27,7 @@ TEST(PoseEdit, ReplacesNumbersAndLeavesAllElseAsItIs) {
             "0, 0]}}\n");
 }
 
-TEST(PoseEdit, KeepsTheUnitOfAnglesAndAddsThoseThatAreMissing) {
+TEST(MountEdit, KeepsTheUnitOfAnglesAndAddsThoseThatAreMissing) {
   EXPECT_EQ(edited("sensors: {a: {pose: {rpy: [0, 0, 0], xyz: [0, 0, 0]}}}", {{"a", {wanted, {}}}}),
             "sensors: {a: {pose: {rpy: [0, 0, 1.570796], xyz: [1.25, -0.5, 0.3]}}}");
   EXPECT_EQ(edited("sensors: {a: {pose: {xyz: [0, 0, 0]}}}", {{"a", {wanted, {}}}}),
@@ -37,7 +37,7 @@ TEST(PoseEdit, KeepsTheUnitOfAnglesAndAddsThoseThatAreMissing) {
       "sensors:\n  a:\n    pose:\n      xyz: [1.25, -0.5, 0.3]\n      rpy_deg: [0, 0, 90]\n    model: b\n");
 }
 
-TEST(PoseEdit, WritesATimeOffsetInPlaceOfTheOldOneOrBesideThePose) {
+TEST(MountEdit, WritesATimeOffsetInPlaceOfTheOldOneOrBesideThePose) {
   const MountEdit edit{wanted, -0.0123};
   EXPECT_EQ(edited("sensors: {a: {time_offset: 0.5, pose: {xyz: [0, 0, 0], rpy: [0, 0, 0]}}}", {{"a", edit}}),
             "sensors: {a: {time_offset: -0.0123, pose: {xyz: [1.25, -0.5, 0.3], rpy: [0, 0, 1.570796]}}}");
@@ -50,13 +50,13 @@ TEST(PoseEdit, WritesATimeOffsetInPlaceOfTheOldOneOrBesideThePose) {
       "1.570796]}  # tape\n");
 }
 
-TEST(PoseEdit, WritesSmallNumbersWithoutAnExponent) {
+TEST(MountEdit, WritesSmallNumbersWithoutAnExponent) {
   EXPECT_EQ(edited("sensors: {a: {pose: {xyz: [0, 0, 0], rpy_deg: [0, 0, 0]}}}",
                    {{"a", {make_pose({-0.0001, 0, 0.00001}, {0, 0, 0}), 0.00002}}}),
             "sensors: {a: {time_offset: 0.00002, pose: {xyz: [-0.0001, 0, 0], rpy_deg: [0, 0, 0]}}}");
 }
 
-TEST(PoseEdit, ReplacesNumbersOfBlockStyleWithAllThatStandsBetweenThem) {
+TEST(MountEdit, ReplacesNumbersOfBlockStyleWithAllThatStandsBetweenThem) {
   const char* const text =
       "sensors:\n"
       "    left:\n"
@@ -86,7 +86,7 @@ TEST(PoseEdit, ReplacesNumbersOfBlockStyleWithAllThatStandsBetweenThem) {
             "        model: sick_microscan3\n");
 }
 
-TEST(PoseEdit, AddsAnglesBelowTheLineOfTheListAndKeepsItsComment) {
+TEST(MountEdit, AddsAnglesBelowTheLineOfTheListAndKeepsItsComment) {
   EXPECT_EQ(edited("sensors:\n  a:\n    pose:\n      xyz: [0, 0, 0]   # tape\n    model: b\n",
                    {{"a", {wanted, {}}}}),
             "sensors:\n  a:\n    pose:\n      xyz: [1.25, -0.5, 0.3]   # tape\n"
@@ -105,14 +105,14 @@ TEST(PoseEdit, AddsAnglesBelowTheLineOfTheListAndKeepsItsComment) {
             "sensors: {a: {pose: {xyz: [1.25, -0.5, 0.3 # ]\n  ], rpy_deg: [0, 0, 90]}}}");
 }
 
-TEST(PoseEdit, KeepsAByteOrderMark) {
+TEST(MountEdit, KeepsAByteOrderMark) {
   const std::string mark = "\xEF\xBB\xBF", begin = "sensors: {a: {pose: {xyz: [";
   EXPECT_EQ(edited(mark + begin + "0, 0, 0], rpy_deg: [0, 0, 0]}}}",
                    {{"a", {make_pose({1, 2, 3}, {0, 0, 0}), {}}}}),
             mark + begin + "1, 2, 3], rpy_deg: [0, 0, 0]}}}");
 }
 
-TEST(PoseEdit, NamesThePlaceOfAMountThatItCannotReplaceAndWhatToWriteThere) {
+TEST(MountEdit, NamesThePlaceOfAMountThatItCannotReplaceAndWhatToWriteThere) {
   const auto message = [](const std::string& text) -> std::string {
     try {
       edited(text, {{"a", {wanted, -0.25}}});

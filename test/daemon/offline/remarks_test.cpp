@@ -1,6 +1,8 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
 // What is said of mistakes, those that a configuration can have among them.
+#include "daemon/offline/remarks.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -24,8 +26,8 @@ std::string said_of(const std::string& text) {
   try {
     std::string all;
     const Config config = parse_config(text, "f");
-    for (const auto* list : {&config.warnings, &config.host_remarks})
-      for (const std::string& remark : *list) all += remark + "\n";
+    for (const auto& list : {remarks_on(config), host_remarks_on(config)})
+      for (const std::string& remark : list) all += remark + "\n";
     return all;
   } catch (const ConfigError& error) {
     return error.what();
@@ -249,8 +251,8 @@ TEST(Remarks, AreMadeOfACalibrationOfAnotherModel) {
 TEST(Remarks, OnTheNetworkOfThisHostAreForTheCommandsThatUseIt) {
   for (const std::string& text : {scanner("udp_receiver_ip: 203.0.113.5"), roof("ip_port: 368")}) {
     const Config config = parse_config(text, "f");
-    EXPECT_THAT(config.warnings, IsEmpty()) << "replay, snapshot and calibrate show these";
-    EXPECT_EQ(config.host_remarks.size(), 1U) << text;
+    EXPECT_THAT(remarks_on(config), IsEmpty()) << "replay, snapshot and calibrate show these";
+    EXPECT_EQ(host_remarks_on(config).size(), 1U) << text;
   }
 }
 

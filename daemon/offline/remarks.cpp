@@ -1,13 +1,16 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/config/remarks.h"
+#include "daemon/offline/remarks.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/base/angle.h"
+#include "core/evidence/beam_rays.h"
+#include "daemon/config/yaml.h"
 #include "drivers/calibration.h"
 #include "drivers/document.h"
 #include "drivers/net/host_network.h"
@@ -20,24 +23,40 @@ constexpr double near_m = 20;
 /// The remarks about one configuration, each at a key.
 struct Remarks {
   const Config& config;
-  const Value& root;
+  Value root = parse_yaml(config.text, config.file);
   std::vector<std::pair<Value, std::string>> all{};
 
   void add(const Value& key, const std::string& sentence) { all.emplace_back(key, sentence); }
-  /// Adds them in the order of the file.
-  void add_to(std::vector<std::string>& warnings) {
+  /// In the order of the file, behind `sentences`.
+  std::vector<std::string> sorted(std::vector<std::string> sentences = {}) {
     const auto line = [](const auto& one) {
-      return std::pair(one.first.key_place().line, one.first.key_place().column);
+      return std::pair(one.first.key_location().line, one.first.key_location().column);
     };
     std::stable_sort(all.begin(), all.end(), [&](const auto& a, const auto& b) { return line(a) < line(b); });
     for (const auto& [key, sentence] : all)
-      warnings.push_back(key.key_place().to_string() + ": " + key.path() + " " + sentence);
+      sentences.push_back(key.key_location().to_string() + ": " + key.path() + " " + sentence);
+    return sentences;
   }
 
   Value entry(const char* section, const std::string& name) const {
     return value_at(value_at(root, section), name);
   }
+  Value key(const char* section, const std::string& name, const char* key_of_it) const {
+    return value_at(entry(section, name), key_of_it);
+  }
 };
+
+/// m from a point to a footprint; 0: inside, or there is none.
+double distance_to(const std::vector<Eigen::Vector2d>& footprint, const Eigen::Vector2d& point) {
+  if (footprint.empty() || Footprint(footprint).contains(point)) return 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < footprint.size(); ++i) {
+    const Eigen::Vector2d begin = footprint[i], edge = footprint[(i + 1) % footprint.size()] - begin;
+    const double along = std::clamp((point - begin).dot(edge) / edge.squaredNorm(), 0.0, 1.0);
+    least = std::min(least, (begin + along * edge - point).norm());
+  }
+  return least;
+}
 
 double outside(const Config& config, const Eigen::Vector3d& at) {
   return distance_to(config.vehicle.footprint, at.head<2>());
@@ -77,8 +96,8 @@ void question_footprint(Remarks& remarks) {
 }
 
 /// `at`: in base_frame; `lowest` and `farthest_outside`: limits, m.
-void question_place(Remarks& remarks, const Value& entry, const std::string& key, const Eigen::Vector3d& at,
-                    double lowest, double farthest_outside) {
+void question_position(Remarks& remarks, const Value& entry, const std::string& key,
+                       const Eigen::Vector3d& at, double lowest, double farthest_outside) {
   const Value pose = value_at(entry, key);
   if (pose.path() == entry.path()) return;
   const double distance = outside(remarks.config, at);
@@ -91,19 +110,19 @@ void question_place(Remarks& remarks, const Value& entry, const std::string& key
     remarks.add(pose, fmt::format("is {:.1f} m outside of vehicle.footprint; correct one of them", distance));
 }
 
-void question_places(Remarks& remarks) {
+void question_positions(Remarks& remarks) {
   // base_frame may lie above the ground, at an axle; base_footprint lies there.
   constexpr double lowest = -0.3;
   const Config& config = remarks.config;
   for (const SensorConfig& sensor : config.sensors) {
     if (sensor.pose)
-      question_place(remarks, remarks.entry("sensors", sensor.name), "pose", sensor.pose->translation(),
-                     lowest, 2);
+      question_position(remarks, remarks.entry("sensors", sensor.name), "pose", sensor.pose->translation(),
+                        lowest, 2);
   }
   const auto question_destination = [&](const char* section, const auto& merged) {
     if (merged.destination_pose)
-      question_place(remarks, remarks.entry(section, merged.name), "destination_pose",
-                     merged.destination_pose->translation(), -near_m, near_m);
+      question_position(remarks, remarks.entry(section, merged.name), "destination_pose",
+                        merged.destination_pose->translation(), -near_m, near_m);
   };
   for (const MergedScanConfig& merged : config.merged_scans) question_destination("merged_scans", merged);
   for (const MergedCloudConfig& merged : config.merged_clouds) question_destination("merged_clouds", merged);
@@ -113,9 +132,9 @@ void question_places(Remarks& remarks) {
     for (const SensorConfig& sensor : config.sensors) {
       if (!base && sensor.frame_id == group.base_frame) base = sensor.pose;
     }
-    const Value poses = value_at(remarks.entry("virtual_scans", group.name), "poses");
+    const Value poses = remarks.key("virtual_scans", group.name, "poses");
     for (const auto& [frame, pose] : group.poses) {
-      if (base) question_place(remarks, poses, frame, *base * pose.translation(), lowest, 10);
+      if (base) question_position(remarks, poses, frame, *base * pose.translation(), lowest, 10);
     }
   }
 }
@@ -161,7 +180,7 @@ void question_tilt(Remarks& remarks) {
     }
     if (!is_meant)
       remarks.add(
-          value_at(remarks.entry("sensors", sensor.name), "pose"),
+          remarks.key("sensors", sensor.name, "pose"),
           fmt::format(
               "tilts a planar scanner by {:.0f} deg: correct roll and pitch, or merge it with min_height",
               tilt_deg));
@@ -180,7 +199,7 @@ void question_heights(Remarks& remarks) {
     }
     if (heights.isEmpty() || heights.sizes()[0] <= one_height) continue;
     remarks.add(
-        value_at(remarks.entry("merged_scans", merged.name), "laserscan_topics"),
+        remarks.key("merged_scans", merged.name, "laserscan_topics"),
         fmt::format("merges scanners {:.2f} to {:.2f} m high: a beam is free where one of them sees its "
                     "way, whatever stands lower or higher; name those that must see it in free_requires",
                     heights.min()[0], heights.max()[0]));
@@ -211,7 +230,7 @@ void question_windows(Remarks& remarks) {
   for (const SensorConfig& sensor : remarks.config.sensors)
     question_sector(remarks, remarks.entry("sensors", sensor.name), &sensor, sensor.driver.sector());
   for (const MergedScanConfig& merged : remarks.config.merged_scans) {
-    const Value settings = value_at(remarks.entry("merged_scans", merged.name), "source_settings");
+    const Value settings = remarks.key("merged_scans", merged.name, "source_settings");
     for (const auto& [source, own] : merged.source_settings)
       question_sector(remarks, value_at(settings, source), remarks.config.find_sensor(source),
                       sector_between(own.angle_min, own.angle_max));
@@ -310,31 +329,36 @@ bool is_own(const IpAddress& address) {
   return std::any_of(all.begin(), all.end(), [&](const auto& one) { return one.address == address; });
 }
 
-void question_network(Remarks& remarks, std::vector<std::string>& host_remarks) {
-  constexpr int first_free_port = 1024;
+/// True if packets of the sensor come over the network of this host.
+bool has_network(const SensorConfig& sensor) {
+  return sensor.model != nullptr && sensor.packet_topic.empty();
+}
+
+void question_addresses(Remarks& remarks) {
   const IpAddress nobody = IpAddress::v4(0, 0, 0, 0), everybody = IpAddress::v4(255, 255, 255, 255);
   for (const SensorConfig& sensor : remarks.config.sensors) {
-    if (sensor.model == nullptr || !sensor.packet_topic.empty()) continue;
-    const Value entry = remarks.entry("sensors", sensor.name);
-    if (sensor.ip_address == nobody || sensor.ip_address == everybody)
-      remarks.add(value_at(entry, "ip_address"), "is " + sensor.ip_address->to_string() +
-                                                     ", the address of no device; set that of the sensor");
-    const auto& receiver = sensor.driver.requests.host_address;
-    const auto remark_on_host = [&](const char* key, const std::string& sentence) {
-      const Value value = value_at(entry, key);
-      host_remarks.push_back(value.key_place().to_string() + ": " + value.path() + " " + sentence);
-    };
-    if (receiver && *receiver != nobody && !receiver->is_multicast() && !is_own(*receiver))
-      remark_on_host("udp_receiver_ip", "is " + receiver->to_string() +
-                                            ", which is no address of this host; `ip address` lists those");
-    const auto question_port = [&](const char* key, int port) {
-      if (port > 0 && port < first_free_port)
-        remark_on_host(key,
-                       "is " + std::to_string(port) + ": ports below 1024 need privileges; set a higher one");
-    };
-    if (sensor.model->transport == Transport::udp) question_port("ip_port", sensor.ip_port);
-    question_port("telemetry_port", sensor.telemetry_port);
+    if (has_network(sensor) && (sensor.ip_address == nobody || sensor.ip_address == everybody))
+      remarks.add(
+          remarks.key("sensors", sensor.name, "ip_address"),
+          "is " + sensor.ip_address->to_string() + ", the address of no device; set that of the sensor");
   }
+}
+
+/// Remarks on what the host does not have, or does not allow.
+void question_host(Remarks& remarks, const SensorConfig& sensor) {
+  constexpr int first_free_port = 1024;
+  const auto& receiver = sensor.driver.requests.host_address;
+  if (receiver && *receiver != IpAddress::v4(0, 0, 0, 0) && !receiver->is_multicast() && !is_own(*receiver))
+    remarks.add(
+        remarks.key("sensors", sensor.name, "udp_receiver_ip"),
+        "is " + receiver->to_string() + ", which is no address of this host; `ip address` lists those");
+  const auto question_port = [&](const char* key, int port) {
+    if (port > 0 && port < first_free_port)
+      remarks.add(remarks.key("sensors", sensor.name, key),
+                  "is " + std::to_string(port) + ": ports below 1024 need privileges; set a higher one");
+  };
+  if (sensor.model->transport == Transport::udp) question_port("ip_port", sensor.ip_port);
+  question_port("telemetry_port", sensor.telemetry_port);
 }
 
 void question_calibrations(Remarks& remarks) {
@@ -355,14 +379,22 @@ void question_calibrations(Remarks& remarks) {
 
 }  // namespace
 
-void add_remarks(const Value& root, Config& config) {
-  Remarks remarks{config, root};
-  for (const auto question : {question_footprint, question_places, question_twins, question_tilt,
-                              question_heights, question_windows, question_rates, question_calibrations})
+std::vector<std::string> remarks_on(const Config& config) {
+  Remarks remarks{config};
+  for (const auto question :
+       {question_footprint, question_positions, question_twins, question_tilt, question_heights,
+        question_windows, question_rates, question_calibrations, question_addresses})
     question(remarks);
-  question_network(remarks, config.host_remarks);
-  question_units(remarks, root);
-  remarks.add_to(config.warnings);
+  question_units(remarks, remarks.root);
+  return remarks.sorted(config.warnings);
+}
+
+std::vector<std::string> host_remarks_on(const Config& config) {
+  Remarks remarks{config};
+  for (const SensorConfig& sensor : config.sensors) {
+    if (has_network(sensor)) question_host(remarks, sensor);
+  }
+  return remarks.sorted();
 }
 
 }  // namespace lidard

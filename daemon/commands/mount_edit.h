@@ -20,8 +20,9 @@ struct MountEdit {
 std::string mount_text(const MountEdit& mount);
 
 /// The text of a configuration with other mounts of sensors by their names; all else, comments included,
-/// stays as it is. Throws ConfigError with the place in `file`, and what to write there, where one cannot be
-/// replaced by itself. Other entries may have anchors of what is replaced: compare what the text says then.
+/// stays as it is. Throws ConfigError with the location in `file`, and what to write there, where one cannot
+/// be replaced by itself. Other entries may have anchors of what is replaced: compare what the text says
+/// then.
 std::string with_mounts(const std::string& text, const std::string& file,
                         const std::map<std::string, MountEdit>& mounts);
 
