@@ -101,7 +101,7 @@ class Pipeline final : public MessageReceiver {
   Stamp time_of(const Packet& packet) const;
 
   /// Where requests to devices go; must outlive the pipeline's use. nullptr, as in replay: they are dropped.
-  void set_links(DeviceConnections* links) { sensor_context_.connections = links; }
+  void set_connections(DeviceConnections* connections) { sensor_context_.connections = connections; }
   /// What came over the connection of a sensor, `sensor` being its index in the configuration.
   void chunk(std::size_t sensor, const Packet& packet);
   void connected(std::size_t sensor, Stamp now);

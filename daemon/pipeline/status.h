@@ -48,8 +48,8 @@ struct SensorStatus {
   bool seen = false;                       ///< data was received
   Stamp last_arrival;                      ///< of data
   std::optional<Stamp> last_telemetry;     ///< of telemetry
-  std::string link_trouble;                ///< while silent: a fault of its connection or this host's network
-  std::string link_hint;                   ///< while silent: a possible cause there
+  std::string connection_trouble;          ///< while silent: a fault of its connection or this host's network
+  std::string connection_hint;             ///< while silent: a possible cause there
   std::vector<const Model*> other_models;  ///< those of the rejected packets; empty: unknown
   std::string rivals;                      ///< what two devices with its address are; empty: there is one
   IpAddress address;                       ///< the configured one, or where its data come from
