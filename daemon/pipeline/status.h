@@ -113,8 +113,8 @@ struct VirtualStatus {
 };
 
 /// An entry of merged_scans:, merged_clouds: or virtual_scans:.
-struct OutputStatus {
-  OutputId id;
+struct MakerStatus {
+  MakerId id;
   std::vector<std::string> sources, topics;
   MakerCounters counters;
   bool starting = false;  ///< waiting for input is no fault yet
@@ -125,7 +125,7 @@ struct OutputStatus {
 };
 
 /// The messages on one topic or in one file.
-struct OutputReport {
+struct TopicReport {
   std::string name;
   std::uint64_t messages = 0;
   Stamp first{}, last{};  ///< when the first and the last one were released
@@ -147,7 +147,7 @@ struct PipelineStatus {
   Stamp now;
   std::vector<SensorStatus> sensors;
   std::optional<MotionStatus> motion;  ///< none: there is no source of motion
-  std::vector<OutputStatus> outputs;
+  std::vector<MakerStatus> makers;
   const UnknownSenders* unknown_senders = nullptr;
 };
 

@@ -21,7 +21,7 @@ void complete(SensorConfig& sensor) {
 }
 
 KeyValue get_output(const Key& key, const Reconfigurable& output) { return key.get(&output.config); }
-void set_output(const Key& key, Reconfigurable& output, const KeyValue& value) {
+void set_scan(const Key& key, Reconfigurable& output, const KeyValue& value) {
   key.set(&output.config, value);
 }
 
@@ -36,17 +36,17 @@ void set_increment(const Key& key, Reconfigurable& output, const KeyValue& value
 }
 
 /// The items have the limits of their keys; those of ira_laser_tools' nodes have their own.
-std::vector<ReconfigurableItem> items_of(OutputId::Kind kind, ReconfigureNames names) {
+std::vector<ReconfigurableItem> items_of(MakerId::Kind kind, ReconfigureNames names) {
   std::vector<ReconfigurableItem> items;
   for (const Key& key : output_keys()) {
     const GridLimit* const limit = grid_limit(key.name);
     const bool wanted = names == ReconfigureNames::node
                             ? limit != nullptr
-                            : key.live && (key.name != "profile" || kind == OutputId::Kind::merged);
+                            : key.live && (key.name != "profile" || kind == MakerId::Kind::merged);
     if (!wanted) continue;
     const bool is_increment = key.name == "angle_increment";
     items.emplace_back(key, is_increment ? get_increment : get_output,
-                       is_increment ? set_increment : set_output);
+                       is_increment ? set_increment : set_scan);
     if (names == ReconfigureNames::node) items.back().lowest = limit->min, items.back().highest = limit->max;
   }
   return items;
@@ -68,7 +68,7 @@ std::string flat_source(const MergedScanConfig& merged, const Config& config) {
 
 Reconfigurable merged_output(const MergedScanConfig& merged, const Config& config, ReconfigureNames names) {
   Reconfigurable output;
-  output.id = {OutputId::Kind::merged, merged.name};
+  output.id = {MakerId::Kind::merged, merged.name};
   output.topics.push_back(merged.scan_destination_topic);
   for (const AlsoScanConfig& also : merged.also) output.topics.push_back(also.topic);
   if (!merged.status_topic.empty()) output.topics.push_back(merged.status_topic);
@@ -81,7 +81,7 @@ Reconfigurable merged_output(const MergedScanConfig& merged, const Config& confi
 
 Reconfigurable virtual_output(const VirtualScanConfig& group, ReconfigureNames names) {
   Reconfigurable output;
-  output.id = {OutputId::Kind::virtual_group, group.name};
+  output.id = {MakerId::Kind::virtual_group, group.name};
   std::set<std::string> topics;
   for (const std::string& frame : group.virtual_laser_scan) {
     topics.insert(group.topic(frame));
