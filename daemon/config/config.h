@@ -67,13 +67,14 @@ std::vector<StaticTransform> fixed_poses(const Config& config);
 /// Everything that the configuration may publish on. At run time a topic travels as its entry of this list.
 std::vector<OutputTopic> output_topics(const Config& config);
 
-/// An entry of merged_scans:, merged_clouds: or virtual_scans: of the configuration.
-struct OutputId {
+/// An entry of merged_scans:, merged_clouds: or virtual_scans: of the configuration, which makes scans or
+/// clouds.
+struct MakerId {
   enum class Kind : std::uint8_t { merged, merged_cloud, virtual_group };
   Kind kind = Kind::merged;
   std::string entry;
 
-  friend bool operator==(const OutputId& a, const OutputId& b) {
+  friend bool operator==(const MakerId& a, const MakerId& b) {
     return a.kind == b.kind && a.entry == b.entry;
   }
 };

@@ -12,20 +12,20 @@
 namespace lidard {
 namespace {
 
-std::string name_of(const OutputId& id) {
+std::string name_of(const MakerId& id) {
   switch (id.kind) {
-    case OutputId::Kind::merged:
+    case MakerId::Kind::merged:
       return "merged " + id.entry;
-    case OutputId::Kind::merged_cloud:
+    case MakerId::Kind::merged_cloud:
       return "merged cloud " + id.entry;
-    case OutputId::Kind::virtual_group:
+    case MakerId::Kind::virtual_group:
       return "virtual " + id.entry;
   }
   return id.entry;
 }
 
 /// Whether an output publishes, and if not, why.
-void judge_output(const OutputStatus& status, Stamp now, DiagnosticItem& item) {
+void judge_output(const MakerStatus& status, Stamp now, DiagnosticItem& item) {
   const MakerCounters& counters = status.counters;
   const double age = seconds(now - counters.last_published);
   if (status.starting && counters.no_pose == 0 && (counters.published == 0 || age > counters.most_silence)) {
@@ -76,7 +76,7 @@ std::string deadline_remedy(const MergeStatus& merge) {
   return remedy;
 }
 
-void judge_sources(const OutputStatus& status, const MergeStatus& merge, DiagnosticItem& item) {
+void judge_sources(const MakerStatus& status, const MergeStatus& merge, DiagnosticItem& item) {
   for (const SourceStatus& source : merge.sources) item.add("Source " + source.name, source_text(source));
   const std::string stale = names_of(merge, true), lost = names_of(merge, false);
   item.add("Sources lost", lost);
@@ -100,7 +100,7 @@ void judge_sources(const OutputStatus& status, const MergeStatus& merge, Diagnos
   if (counters.no_pose > 0 && !counters.why_no_pose.empty()) item.message += ": " + counters.why_no_pose;
 }
 
-void judge_merge(const OutputStatus& status, const MergeStatus& merge, DiagnosticItem& item) {
+void judge_merge(const MakerStatus& status, const MergeStatus& merge, DiagnosticItem& item) {
   judge_sources(status, merge, item);
   if (merge.track != nullptr) {
     const auto has = [&](SourceUse use) { return std::count(merge.uses.begin(), merge.uses.end(), use) > 0; };
@@ -188,7 +188,7 @@ std::string motion_trouble(const MotionStatus& status) {
 
 }  // namespace
 
-DiagnosticItem output_health(const OutputStatus& status, Stamp now) {
+DiagnosticItem output_health(const MakerStatus& status, Stamp now) {
   DiagnosticItem item{name_of(status.id)};
   judge_output(status, now, item);
   if (status.merge) {

@@ -10,7 +10,7 @@
 namespace lidard {
 
 /// The item of an output: whether it publishes, its sources, mounts and motion.
-DiagnosticItem output_health(const OutputStatus& status, Stamp now);
+DiagnosticItem output_health(const MakerStatus& status, Stamp now);
 /// The item "motion": whether the poses of the vehicle keep up with the data.
 DiagnosticItem motion_health(const MotionStatus& status);
 /// What is missing in the newest frame, with the remedy; empty: nothing. `frame`: that of a sensor's clouds.

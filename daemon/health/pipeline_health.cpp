@@ -17,7 +17,7 @@ bool has(const List& list, const Value& value) {
 }
 
 /// Why an output lacks something: its own sentence, and those of the sensors that have never delivered.
-std::string why_missing(const OutputStatus& output, const PipelineStatus& all) {
+std::string why_missing(const MakerStatus& output, const PipelineStatus& all) {
   const DiagnosticItem item = output_health(output, all.now);
   std::string why = item.health == Health::ok ? "" : item.message;
   for (const SensorStatus& sensor : all.sensors) {
@@ -35,8 +35,8 @@ std::string why_missing(const SensorStatus& sensor, const PipelineStatus& all) {
 }
 
 std::string why_missing(const PipelineStatus& all, const std::string& topic) {
-  for (const OutputStatus& output : all.outputs) {
-    if (has(output.topics, topic)) return why_missing(output, all);
+  for (const MakerStatus& maker : all.makers) {
+    if (has(maker.topics, topic)) return why_missing(maker, all);
   }
   for (const SensorStatus& sensor : all.sensors) {
     for (const OutputTopic& own : sensor_topics(*sensor.config))
@@ -49,7 +49,7 @@ std::string why_missing(const PipelineStatus& all, const std::string& topic) {
 PipelineStatus final_status(const Pipeline& pipeline) {
   PipelineStatus status = pipeline.status(pipeline.now());
   for (SensorStatus& sensor : status.sensors) sensor.starting = false;
-  for (OutputStatus& output : status.outputs) output.starting = false;
+  for (MakerStatus& maker : status.makers) maker.starting = false;
   return status;
 }
 
@@ -63,7 +63,7 @@ std::vector<DiagnosticItem> items_of(const Pipeline& pipeline, Stamp now) {
   for (const SensorStatus& sensor : status.sensors)
     if (sensor.settings) items.push_back(settings_item(sensor.name, *sensor.settings));
   if (status.motion) items.push_back(motion_health(*status.motion));
-  for (const OutputStatus& output : status.outputs) items.push_back(output_health(output, now));
+  for (const MakerStatus& maker : status.makers) items.push_back(output_health(maker, now));
   if (const auto names = status.unknown_senders->names(now - UnknownSenders::expires_after); !names.empty())
     items.push_back(unknown_senders_item(names));
   return items;
@@ -73,10 +73,10 @@ std::string why_missing(const Pipeline& pipeline, const std::string& topic) {
   return why_missing(final_status(pipeline), topic);
 }
 
-std::vector<OutputReport> output_reports(const Pipeline& pipeline) {
+std::vector<TopicReport> topic_reports(const Pipeline& pipeline) {
   const PipelineStatus status = final_status(pipeline);
-  std::vector<OutputReport> reports = pipeline.output_reports();
-  for (OutputReport& report : reports) report.remark = why_missing(status, report.name);
+  std::vector<TopicReport> reports = pipeline.topic_reports();
+  for (TopicReport& report : reports) report.remark = why_missing(status, report.name);
   return reports;
 }
 

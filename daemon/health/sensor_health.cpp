@@ -40,20 +40,20 @@ std::string why_nothing(const SensorStatus& report, const UnknownSenders& unknow
   const std::string sender =
       datagrams ? unknown.sender_to(config.ip_port, now - recent_sender) : std::string();
   if (!sender.empty()) return "; but there are packets from " + sender + ": correct ip_address?";
-  if (!report.link_trouble.empty()) return ": " + report.link_trouble;
+  if (!report.connection_trouble.empty()) return ": " + report.connection_trouble;
   if (config.model->transport == Transport::tcp) {
     // A device that refuses reports the reason.
     return report.info.warnings.empty() ? "; does the device measure?" : ": " + warnings_of(report);
   }
   // A failed dialogue explains missing datagrams.
   if (!report.info.warnings.empty()) return ": " + warnings_of(report);
-  if (!report.link_hint.empty()) return ": " + report.link_hint;
+  if (!report.connection_hint.empty()) return ": " + report.connection_hint;
   return "; check the sensor's power, its destination address and port, and the firewall";
 }
 
 /// True in the first second after the start.
 bool may_still_come(const SensorStatus& report) {
-  return report.starting && (report.link_trouble.empty() || report.link_trouble == first_attempt);
+  return report.starting && (report.connection_trouble.empty() || report.connection_trouble == first_attempt);
 }
 
 /// Judges missing data.

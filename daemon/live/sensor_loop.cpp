@@ -62,7 +62,7 @@ SensorLoop::SensorLoop(const Config& config, DaemonClock& clock, BlackBox& box, 
                   }),
       timer_(io_),
       event_timer_(io_) {
-  pipeline_.set_links(&connections_);
+  pipeline_.set_connections(&connections_);
 }
 
 void SensorLoop::post(std::function<void(Stamp)> task) {

@@ -17,9 +17,9 @@ void FrameTree::configure(const Config& config) {
 bool FrameTree::in_base(const std::string& frame, Stamp stamp, Pose& pose, std::string& why_not) const {
   pose = Pose::Identity();
   std::string at = frame;
-  // Configured poses form chains of at most two links (virtual frame, its base frame); longer ones come from
-  // tf.
-  for (int links = 0; links < 4 && at != base_; ++links) {
+  // Configured poses form chains of at most two transforms (virtual frame, its base frame); longer ones come
+  // from tf.
+  for (int length = 0; length < 4 && at != base_; ++length) {
     const auto entry = known_.find(at);
     if (entry == known_.end()) break;
     pose = entry->second.second * pose;

@@ -27,7 +27,7 @@ struct MakerContext {
 class Maker {
  public:
   virtual ~Maker() = default;
-  virtual OutputId id() const = 0;
+  virtual MakerId id() const = 0;
   /// True if it is just what the entry asks for.
   virtual bool is_of(const MergedScanConfig& /*entry*/) const { return false; }
   virtual bool is_of(const MergedCloudConfig& /*entry*/) const { return false; }
@@ -54,7 +54,7 @@ class Maker {
   /// The input starts again.
   virtual void restart() {}
 
-  virtual OutputStatus status(Stamp now) const = 0;
+  virtual MakerStatus status(Stamp now) const = 0;
 
   Stamp begun{};  ///< when the configuration asked for it first
 };

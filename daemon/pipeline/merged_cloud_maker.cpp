@@ -25,7 +25,7 @@ class MergedCloudMaker final : public Maker {
     merged_.frame_id = config.destination_frame;
   }
 
-  OutputId id() const override { return {OutputId::Kind::merged_cloud, config_.name}; }
+  MakerId id() const override { return {MakerId::Kind::merged_cloud, config_.name}; }
   bool is_of(const MergedCloudConfig& entry) const override { return config_ == entry; }
   std::vector<std::string> sources() const override { return config_.sources; }
   bool is_wanted() const override { return context_.router.wants(topic_) || context_.router.feeds(topic_); }
@@ -54,8 +54,8 @@ class MergedCloudMaker final : public Maker {
     merger_.reset();
     sources_.restart();
   }
-  OutputStatus status(Stamp now) const override {
-    OutputStatus status;
+  MakerStatus status(Stamp now) const override {
+    MakerStatus status;
     status.topics = {topic_.name};
     status.counters = sources_.counters;
     status.merge = sources_.status(now);

@@ -56,7 +56,7 @@ class MergedScanMaker final : public Maker {
     set_up();
   }
 
-  OutputId id() const override { return {OutputId::Kind::merged, config_.name}; }
+  MakerId id() const override { return {MakerId::Kind::merged, config_.name}; }
   bool is_of(const MergedScanConfig& entry) const override { return config_ == entry; }
   std::vector<std::string> sources() const override { return config_.laserscan_topics; }
   void add_scan(std::size_t source, const PlanarScan& scan, Stamp now) override {
@@ -86,8 +86,8 @@ class MergedScanMaker final : public Maker {
     mount_check_.reset();
     sources_.restart();
   }
-  OutputStatus status(Stamp now) const override {
-    OutputStatus status;
+  MakerStatus status(Stamp now) const override {
+    MakerStatus status;
     status.counters = sources_.counters;
     status.merge = sources_.status(now);
     status.merge->mounts = mount_check_.pairs();

@@ -21,10 +21,10 @@ Pipeline::Pipeline(const Config& config, TransformSource& transforms, FrameSink&
 
 void Pipeline::configure(const Config& config) {
   List<Sensor> sensors = std::exchange(sensors_, {});
-  List<Maker> outputs = std::exchange(outputs_, {});
-  // What an output shows depends on the vehicle's outline too.
+  List<Maker> makers = std::exchange(makers_, {});
+  // What a maker shows depends on the vehicle's outline too.
   const bool is_other_vehicle = !(vehicle_ == config.vehicle);
-  if (is_other_vehicle) outputs.clear();
+  if (is_other_vehicle) makers.clear();
   vehicle_ = config.vehicle;
   frames_.configure(config);
   motion_.configure();
@@ -34,9 +34,9 @@ void Pipeline::configure(const Config& config) {
   tcp_ports_.clear();
   for (std::size_t index = 0; index < config.sensors.size(); ++index)
     add_sensor(config.sensors[index], index, sensors);
-  for (const auto& entry : config.merged_scans) add_output(entry, outputs);
-  for (const auto& entry : config.merged_clouds) add_output(entry, outputs);
-  for (const auto& entry : config.virtual_scans) add_output(entry, outputs);
+  for (const auto& entry : config.merged_scans) add_maker(entry, makers);
+  for (const auto& entry : config.merged_clouds) add_maker(entry, makers);
+  for (const auto& entry : config.virtual_scans) add_maker(entry, makers);
   knows_next_event_ = false;
   report_wanted_ = true;
 }
@@ -53,15 +53,15 @@ void Pipeline::add_sensor(const SensorConfig& entry, std::size_t index, List<Sen
 }
 
 template <class Entry>
-void Pipeline::add_output(const Entry& entry, List<Maker>& before) {
+void Pipeline::add_maker(const Entry& entry, List<Maker>& before) {
   const auto same =
       std::find_if(before.begin(), before.end(), [&](const auto& one) { return one && one->is_of(entry); });
   const bool is_new = same == before.end();
-  outputs_.push_back(is_new ? make_maker(entry, output_context_) : std::move(*same));
-  Maker& output = *outputs_.back();
-  if (is_new) output.begun = sensor_context_.now;
+  makers_.push_back(is_new ? make_maker(entry, maker_context_) : std::move(*same));
+  Maker& maker = *makers_.back();
+  if (is_new) maker.begun = sensor_context_.now;
   std::size_t index = 0;
-  for (const std::string& name : output.sources()) router_.connect(router_.source(name), output, index++);
+  for (const std::string& name : maker.sources()) router_.connect(router_.source(name), maker, index++);
 }
 
 /// The sensor of that index in the configuration.
@@ -167,15 +167,15 @@ void Pipeline::turn_message(Stamp stamp, const Eigen::Vector3d& rates, const std
   advance_to(received);
 }
 
-std::string Pipeline::set_output(const OutputId& output, const OutputScanConfig& wanted) {
+std::string Pipeline::set_scan(const MakerId& maker, const OutputScanConfig& wanted) {
   if (const auto grid = make_grid(wanted.grid); !grid) return grid.reason();
-  for (const auto& one : outputs_) {
-    if (!(one->id() == output)) continue;
+  for (const auto& one : makers_) {
+    if (!(one->id() == maker)) continue;
     one->set_scan(wanted);
     knows_next_event_ = false;
     return {};
   }
-  return "there is no output named " + output.entry;
+  return "there is no output named " + maker.entry;
 }
 
 std::string Pipeline::set_sensor(const SensorConfig& wanted) {
@@ -191,9 +191,9 @@ std::string Pipeline::set_sensor(const SensorConfig& wanted) {
 void Pipeline::advance_to(Stamp at) {
   sensor_context_.now = at;
   motion_.poll(at);
-  for (const auto& output : outputs_) {
-    output->advance(at);
-    report_wanted_ = output->states_changed(at) || report_wanted_;
+  for (const auto& maker : makers_) {
+    maker->advance(at);
+    report_wanted_ = maker->states_changed(at) || report_wanted_;
   }
   knows_next_event_ = false;
 }
@@ -208,7 +208,7 @@ std::optional<Stamp> Pipeline::next_event() {
     }
   };
   consider(sensors_);
-  consider(outputs_);
+  consider(makers_);
   knows_next_event_ = true;
   return next_event_;
 }
@@ -258,7 +258,7 @@ void Pipeline::finish(Stamp now) {
 
 void Pipeline::restart() {
   for (const auto& sensor : sensors_) sensor->restart();
-  for (const auto& output : outputs_) output->restart();
+  for (const auto& maker : makers_) maker->restart();
   motion_.restart();
   made_time_.reset();
   knows_next_event_ = false;
@@ -272,13 +272,13 @@ PipelineStatus Pipeline::status(Stamp now) const {
     status.sensors.back().starting = start_.is_starting(now, sensor->begun);
   }
   status.motion = motion_.status(sensor_context_.now);
-  for (const auto& output : outputs_) {
-    status.outputs.push_back(output->status(now));
-    OutputStatus& added = status.outputs.back();
-    added.id = output->id();
-    added.sources = output->sources();
-    added.is_wanted = output->is_wanted();
-    added.starting = start_.is_starting(now, output->begun);
+  for (const auto& maker : makers_) {
+    status.makers.push_back(maker->status(now));
+    MakerStatus& added = status.makers.back();
+    added.id = maker->id();
+    added.sources = maker->sources();
+    added.is_wanted = maker->is_wanted();
+    added.starting = start_.is_starting(now, maker->begun);
   }
   status.unknown_senders = &unknown_senders_;
   return status;

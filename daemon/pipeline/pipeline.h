@@ -36,7 +36,7 @@ class MessageReceiver {
   virtual void speed_message(double speed, Stamp received) = 0;
   /// Gives a merged scan or a group of virtual scans another grid, profile or encoding from its next input
   /// on. Empty, or why it cannot be: then nothing changes.
-  virtual std::string set_output(const OutputId& output, const OutputScanConfig& wanted) = 0;
+  virtual std::string set_scan(const MakerId& maker, const OutputScanConfig& wanted) = 0;
   /// Gives the sensor of that name what of `wanted` may change while it runs. Empty, or why it cannot be.
   virtual std::string set_sensor(const SensorConfig& wanted) = 0;
 };
@@ -80,13 +80,13 @@ class StartWatch {
 /// replay; it has no thread and no clock: time is what the arrivals and tick() say.
 ///
 /// The stages in order: whose packet it is (flows), the sensors with their drivers, what is made of their
-/// frames (outputs), and the way on (router), which ends in the sink.
+/// frames (makers), and the way on (router), which ends in the sink.
 class Pipeline final : public MessageReceiver {
  public:
   /// `transforms` and `sink` must outlive the pipeline.
   Pipeline(const Config& config, TransformSource& transforms, FrameSink& sink);
 
-  /// Applies another configuration. Sensors and outputs that are as their entries say go on as if nothing had
+  /// Applies another configuration. Sensors and makers that are as their entries say go on as if nothing had
   /// happened.
   void configure(const Config& config);
   /// What gets the scans of Config::Elsewhere::merged.
@@ -101,7 +101,7 @@ class Pipeline final : public MessageReceiver {
   Stamp time_of(const Packet& packet) const;
 
   /// Where requests to devices go; must outlive the pipeline's use. nullptr, as in replay: they are dropped.
-  void set_links(DeviceConnections* links) { sensor_context_.connections = links; }
+  void set_connections(DeviceConnections* connections) { sensor_context_.connections = connections; }
   /// What came over the connection of a sensor, `sensor` being its index in the configuration.
   void chunk(std::size_t sensor, const Packet& packet);
   void connected(std::size_t sensor, Stamp now);
@@ -122,7 +122,7 @@ class Pipeline final : public MessageReceiver {
   void speed_message(double speed, Stamp received) override {
     if (vehicle_.has_motion()) motion_.add_speed(speed, received);
   }
-  std::string set_output(const OutputId& output, const OutputScanConfig& wanted) override;
+  std::string set_scan(const MakerId& maker, const OutputScanConfig& wanted) override;
   std::string set_sensor(const SensorConfig& wanted) override;
 
   /// Time passed: publishes what is due at or before `now`, each at its own time.
@@ -139,7 +139,7 @@ class Pipeline final : public MessageReceiver {
   /// States and counters; what the parts refer to is valid until the next configure().
   PipelineStatus status(Stamp now) const;
   /// What came out so far, one for each of output_topics().
-  const std::vector<OutputReport>& output_reports() const { return router_.reports(); }
+  const std::vector<TopicReport>& topic_reports() const { return router_.reports(); }
   /// Senders on a configured port that no sensor claims, "192.168.1.9:2368 (412 packets)".
   std::vector<std::string> unclaimed_senders() const { return unknown_senders_.names(); }
   /// The newest time that the pipeline knows.
@@ -157,7 +157,7 @@ class Pipeline final : public MessageReceiver {
   void sensor_message(const std::string& name, Message& message, Stamp received);
   void add_sensor(const SensorConfig& entry, std::size_t index, List<Sensor>& before);
   template <class Entry>
-  void add_output(const Entry& entry, List<Maker>& before);
+  void add_maker(const Entry& entry, List<Maker>& before);
   void advance_to(Stamp at);
   void call_reporter(Stamp now);
 
@@ -168,7 +168,7 @@ class Pipeline final : public MessageReceiver {
   std::set<std::uint16_t> tcp_ports_;  // of devices that stream over TCP
   UnknownSenders unknown_senders_;
   List<Sensor> sensors_;
-  List<Maker> outputs_;
+  List<Maker> makers_;
   Router router_;
   SensorContext sensor_context_{router_, motion_};
   /// The time by the sensors' clocks, when packets had this arrival.
@@ -177,7 +177,7 @@ class Pipeline final : public MessageReceiver {
   };
   std::optional<MadeTime> made_time_;
   Span made_ahead_{0};  // by which the time was ahead of the newest packet's arrival
-  MakerContext output_context_{vehicle_, frames_, router_};
+  MakerContext maker_context_{vehicle_, frames_, router_};
   StartWatch start_;
   std::optional<Stamp> next_event_;
   bool knows_next_event_ = false;

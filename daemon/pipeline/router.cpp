@@ -19,7 +19,7 @@ void Router::configure(const Config& config) {
     const auto known = std::find_if(topics.begin(), topics.end(),
                                     [&](const auto& one) { return one && one->name == topic.name; });
     const bool is_new = known == topics.end();
-    reports_.push_back(is_new ? OutputReport() : reports[(*known)->id]);
+    reports_.push_back(is_new ? TopicReport() : reports[(*known)->id]);
     reports_.back().name = topic.name;
     reports_.back().promised = topic.promised;
     topics_.push_back(is_new ? std::make_unique<OutputTopic>() : std::move(*known));
@@ -68,30 +68,30 @@ void Router::skip(const OutputTopic& topic, Stamp now) {
 void Router::feed(std::size_t source, const PlanarScan& scan, Stamp now) {
   fed_ = true;
   if (is_forwarded_[source] != 0) forward_(names_[source], scan, now);
-  for (const Consumer& consumer : consumers_[source]) consumer.output->add_scan(consumer.index, scan, now);
+  for (const Consumer& consumer : consumers_[source]) consumer.maker->add_scan(consumer.index, scan, now);
 }
 
 void Router::feed(std::size_t source, const Cloud& cloud, Stamp now) {
   fed_ = true;
-  for (const Consumer& consumer : consumers_[source]) consumer.output->add_cloud(consumer.index, cloud, now);
+  for (const Consumer& consumer : consumers_[source]) consumer.maker->add_cloud(consumer.index, cloud, now);
 }
 
 void Router::feed(const OutputTopic& topic, const std::vector<PlacedCloud>& clouds, Stamp instant,
                   Stamp now) {
   for (const Consumer& consumer : consumers_[first_topic_ + topic.id])
-    consumer.output->add_clouds(clouds, instant, now);
+    consumer.maker->add_clouds(clouds, instant, now);
 }
 
 void Router::pass_by(std::size_t source, const Cloud& cloud, Stamp now) {
   fed_ = true;
-  for (const Consumer& consumer : consumers_[source]) consumer.output->pass_by(consumer.index, cloud, now);
+  for (const Consumer& consumer : consumers_[source]) consumer.maker->pass_by(consumer.index, cloud, now);
 }
 
 bool Router::feeds(std::size_t source) const {
   const auto& consumers = consumers_.at(source);
   return is_forwarded_[source] != 0 ||
          std::any_of(consumers.begin(), consumers.end(),
-                     [](const Consumer& consumer) { return consumer.output->is_wanted(); });
+                     [](const Consumer& consumer) { return consumer.maker->is_wanted(); });
 }
 
 }  // namespace lidard

@@ -41,8 +41,8 @@ class Router {
   /// The number of a source that must be there.
   std::size_t source(const std::string& name) const;
   /// From now on `output` gets what the source gives, as its source number `index`.
-  void connect(std::size_t source, Maker& output, std::size_t index) {
-    consumers_.at(source).push_back({&output, index});
+  void connect(std::size_t source, Maker& maker, std::size_t index) {
+    consumers_.at(source).push_back({&maker, index});
   }
 
   /// To the sink, and to the outputs that are made of a scan on this topic.
@@ -66,17 +66,17 @@ class Router {
   bool was_fed() { return std::exchange(fed_, false); }
 
   /// What came out, by OutputTopic::id.
-  const std::vector<OutputReport>& reports() const { return reports_; }
+  const std::vector<TopicReport>& reports() const { return reports_; }
 
  private:
   struct Consumer {
-    Maker* output;
+    Maker* maker;
     std::size_t index;  // of the source among those of the output
   };
   FrameSink& sink_;
   Forward forward_ = [](const std::string&, const PlanarScan&, Stamp) {};
   std::vector<std::unique_ptr<OutputTopic>> topics_;
-  std::vector<OutputReport> reports_;
+  std::vector<TopicReport> reports_;
   std::vector<std::string> names_;                // of the sources; a topic is the source of its scans
   std::vector<std::vector<Consumer>> consumers_;  // by source
   std::vector<char> is_forwarded_;                // by source

@@ -313,8 +313,8 @@ SensorStatus Sensor::status(Stamp now) const {
   const bool silent =
       !seen_ || silence_of(last_arrival_, watch_.period_s(), context_.now) != SilenceLevel::none;
   if (context_.connections != nullptr && silent) {
-    status.link_trouble = context_.connections->trouble(index_);
-    status.link_hint = context_.connections->hint(index_);
+    status.connection_trouble = context_.connections->trouble(index_);
+    status.connection_hint = context_.connections->hint(index_);
   }
   status.other_models = other_model_.models();
   status.clock_ahead = topic_clock_.ahead();

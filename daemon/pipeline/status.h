@@ -48,8 +48,8 @@ struct SensorStatus {
   bool seen = false;                       ///< data was received
   Stamp last_arrival;                      ///< of data
   std::optional<Stamp> last_telemetry;     ///< of telemetry
-  std::string link_trouble;                ///< while silent: a fault of its connection or this host's network
-  std::string link_hint;                   ///< while silent: a possible cause there
+  std::string connection_trouble;          ///< while silent: a fault of its connection or this host's network
+  std::string connection_hint;             ///< while silent: a possible cause there
   std::vector<const Model*> other_models;  ///< those of the rejected packets; empty: unknown
   std::string rivals;                      ///< what two devices with its address are; empty: there is one
   IpAddress address;                       ///< the configured one, or where its data come from
@@ -113,8 +113,8 @@ struct VirtualStatus {
 };
 
 /// An entry of merged_scans:, merged_clouds: or virtual_scans:.
-struct OutputStatus {
-  OutputId id;
+struct MakerStatus {
+  MakerId id;
   std::vector<std::string> sources, topics;
   MakerCounters counters;
   bool starting = false;  ///< waiting for input is no fault yet
@@ -125,7 +125,7 @@ struct OutputStatus {
 };
 
 /// The messages on one topic or in one file.
-struct OutputReport {
+struct TopicReport {
   std::string name;
   std::uint64_t messages = 0;
   Stamp first{}, last{};  ///< when the first and the last one were released
@@ -147,7 +147,7 @@ struct PipelineStatus {
   Stamp now;
   std::vector<SensorStatus> sensors;
   std::optional<MotionStatus> motion;  ///< none: there is no source of motion
-  std::vector<OutputStatus> outputs;
+  std::vector<MakerStatus> makers;
   const UnknownSenders* unknown_senders = nullptr;
 };
 

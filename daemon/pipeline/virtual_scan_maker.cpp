@@ -42,7 +42,7 @@ class VirtualScanMaker final : public Maker {
     set_up();
   }
 
-  OutputId id() const override { return {OutputId::Kind::virtual_group, config_.name}; }
+  MakerId id() const override { return {MakerId::Kind::virtual_group, config_.name}; }
   bool is_of(const VirtualScanConfig& entry) const override { return config_ == entry; }
   std::vector<std::string> sources() const override { return {config_.cloud_topic}; }
   void add_cloud(std::size_t /*source*/, const Cloud& cloud, Stamp now) override {
@@ -82,8 +82,8 @@ class VirtualScanMaker final : public Maker {
     last_instant_ = {};
     for (SteadyStamps& stamps : stamps_) stamps.reset();
   }
-  OutputStatus status(Stamp) const override {
-    OutputStatus status;
+  MakerStatus status(Stamp) const override {
+    MakerStatus status;
     status.counters = counters_;
     for (const auto& of_frame : topics_)
       for (const OutputTopic* topic : of_frame) status.topics.push_back(topic->name);

@@ -36,7 +36,7 @@ Keys output_items(Reconfigurable& output) {
   for (Key key : output_keys(output.config)) {
     const GridLimit* const limit = grid_limit(key.name);
     const bool of_node = output.names == ReconfigureNames::node;
-    const bool is_merged = output.id.kind == OutputId::Kind::merged;
+    const bool is_merged = output.id.kind == MakerId::Kind::merged;
     if (!(of_node ? limit != nullptr : key.live && (key.name != "profile" || is_merged))) continue;
     if (key.name == "angle_increment") make_increment(key, output.config.grid);
     if (of_node) key.lowest = limit->min, key.highest = limit->max;
@@ -61,7 +61,7 @@ std::string flat_source(const MergedScanConfig& merged, const Config& config) {
 
 Reconfigurable merged_output(const MergedScanConfig& merged, const Config& config) {
   Reconfigurable output;
-  output.id = {OutputId::Kind::merged, merged.name};
+  output.id = {MakerId::Kind::merged, merged.name};
   output.topics.push_back(merged.scan_destination_topic);
   for (const AlsoScanConfig& also : merged.also) output.topics.push_back(also.topic);
   if (!merged.status_topic.empty()) output.topics.push_back(merged.status_topic);
@@ -73,7 +73,7 @@ Reconfigurable merged_output(const MergedScanConfig& merged, const Config& confi
 
 Reconfigurable virtual_output(const VirtualScanConfig& group) {
   Reconfigurable output;
-  output.id = {OutputId::Kind::virtual_group, group.name};
+  output.id = {MakerId::Kind::virtual_group, group.name};
   std::set<std::string> topics;
   for (const std::string& frame : group.virtual_laser_scan) {
     topics.insert(group.topic(frame));

@@ -21,7 +21,7 @@ using ItemValues = std::map<std::string, KeyValue>;
 
 /// An output, or the clouds of a sensor, whose items may be changed while it runs.
 struct Reconfigurable {
-  OutputId id;
+  MakerId id;
   std::string server;                  ///< name below the node; empty: the node itself
   std::vector<std::string> topics;     ///< of its scans
   double free_required = 0;            ///< m; 0: none

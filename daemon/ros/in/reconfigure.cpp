@@ -90,7 +90,7 @@ struct Server : std::enable_shared_from_this<Server> {
            });
     };
     if (output.sensor) return unless_retired([wanted = *output.sensor](auto& to) { to.set_sensor(wanted); });
-    unless_retired([id = output.id, config = output.config](auto& to) { to.set_output(id, config); });
+    unless_retired([id = output.id, config = output.config](auto& to) { to.set_scan(id, config); });
   }
   void refuse(const std::string& why) {
     ++refused;

@@ -224,8 +224,8 @@ class NoConnections final : public DeviceConnections {
 TEST(SensorHealth, PacketsOfOneArrivalAreThoseOfACaptureOrWaitedForTheDaemon) {
   for (const bool is_live : {false, true}) {
     test::PipelineBench bench("sensors: {roof: {model: velodyne_vlp16, ip_port: 2368}}");
-    NoConnections links;
-    if (is_live) bench.pipeline.set_links(&links);
+    NoConnections connections;
+    if (is_live) bench.pipeline.set_connections(&connections);
     Stamp now{};
     const Span standing = std::chrono::seconds(4);
     const Stamp begin = twelve_seconds().front().arrival;

@@ -19,28 +19,28 @@ namespace lidard::test {
 
 inline Stamp now_of_host() { return {wall_clock().ns}; }
 
-/// A pipeline with its links and ports, as the daemon has them.
+/// A pipeline with its connections and ports, as the daemon has them.
 struct LiveBench {
   explicit LiveBench(const Config& config, const TcpOptions& options = {})
       : pipeline(config, poses, sink),
-        links(io, config,
-              {[this](std::size_t sensor, Packet packet) {
-                 packet.arrival = {packet.received.ns};
-                 pipeline.chunk(sensor, packet);
-               },
-               [this](std::size_t sensor, HostStamp at) { pipeline.connected(sensor, {at.ns}); },
-               [this](std::size_t sensor) { pipeline.disconnected(sensor); },
-               [this](std::size_t sensor) { return pipeline.frames(sensor); },
-               [this](std::size_t) { return host_trouble; }},
-              options),
+        connections(io, config,
+                    {[this](std::size_t sensor, Packet packet) {
+                       packet.arrival = {packet.received.ns};
+                       pipeline.chunk(sensor, packet);
+                     },
+                     [this](std::size_t sensor, HostStamp at) { pipeline.connected(sensor, {at.ns}); },
+                     [this](std::size_t sensor) { pipeline.disconnected(sensor); },
+                     [this](std::size_t sensor) { return pipeline.frames(sensor); },
+                     [this](std::size_t) { return host_trouble; }},
+                    options),
         ports(io, config, [this](std::vector<Packet>& packets) {
           for (Packet& packet : packets) {
             packet.arrival = {packet.received.ns};
             pipeline.packet(packet);
           }
         }) {
-    pipeline.set_links(&links);
-    links.start();
+    pipeline.set_connections(&connections);
+    connections.start();
     ports.start();
   }
   virtual ~LiveBench() = default;
@@ -65,7 +65,7 @@ struct LiveBench {
   }
   std::vector<DiagnosticItem> items() const {
     std::vector<DiagnosticItem> items;
-    links.add_diagnostics(items);
+    connections.add_diagnostics(items);
     return items;
   }
   std::string message(std::size_t item) const { return items().at(item).message; }
@@ -77,7 +77,7 @@ struct LiveBench {
   NoTransforms poses;
   RecordingSink sink{false};
   Pipeline pipeline;
-  TcpConnections links;
+  TcpConnections connections;
   UdpPorts ports;
 };
 

@@ -54,7 +54,7 @@ TEST(TcpConnections, CarryADialogueAndAStreamToFrames) {
   EXPECT_EQ(t.b.message(0), "connected");
   const auto report = t.b.pipeline.status(t.b.pipeline.now()).sensors;
   EXPECT_TRUE(report[0].seen);
-  EXPECT_EQ(report[0].link_trouble, "");
+  EXPECT_EQ(report[0].connection_trouble, "");
 }
 
 TEST(TcpConnections, SayWhyThereIsNoConnectionInTheSensorsDiagnosticsToo) {
@@ -62,8 +62,8 @@ TEST(TcpConnections, SayWhyThereIsNoConnectionInTheSensorsDiagnosticsToo) {
   ASSERT_TRUE(t.b.until([&] { return t.peer.accept(); }));
   t.peer.stop_listening();
   t.peer.close_client();
-  ASSERT_TRUE(
-      t.b.until([&] { return !t.b.pipeline.status(t.b.pipeline.now()).sensors[0].link_trouble.empty(); }));
+  ASSERT_TRUE(t.b.until(
+      [&] { return !t.b.pipeline.status(t.b.pipeline.now()).sensors[0].connection_trouble.empty(); }));
   t.b.run(milliseconds(300));
   EXPECT_THAT(t.b.message(0), HasSubstr("refuses the connection"));
   EXPECT_EQ(t.b.items().at(0).is_up, false);
@@ -75,10 +75,10 @@ TEST(TcpConnections, SayWhyThereIsNoConnectionInTheSensorsDiagnosticsToo) {
 TEST(TcpConnections, NameWhatIsWrongWithThisHostBeforeTheConnectionBreaks) {
   TcpBench t;
   ASSERT_TRUE(t.b.until([&] { return t.b.driver.dialogues == 1 && t.peer.accept(); }));
-  EXPECT_EQ(t.b.links.trouble(0), "");
+  EXPECT_EQ(t.b.connections.trouble(0), "");
   t.b.host_trouble = "lidar0 has no link";
   EXPECT_EQ(t.b.message(0), "connected") << "TCP notices it a second later";
-  EXPECT_EQ(t.b.links.trouble(0), "lidar0 has no link");
+  EXPECT_EQ(t.b.connections.trouble(0), "lidar0 has no link");
 }
 
 TEST(TcpConnections, BeginTheDialogueAnewAfterAResetAndForgetHalfALine) {

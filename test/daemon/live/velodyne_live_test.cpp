@@ -80,7 +80,7 @@ struct WebBench final : LiveBench {
   }
   DiagnosticItem link() {
     std::vector<DiagnosticItem> items;
-    links.add_diagnostics(items);
+    connections.add_diagnostics(items);
     return items.empty() ? DiagnosticItem() : items.front();
   }
   WebServer& server;

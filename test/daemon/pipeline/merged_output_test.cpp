@@ -94,7 +94,7 @@ TEST(MergedScanMaker, AfterAChangeWaitsForEverySourceThatIsWell) {
     sweep(bench, "b", ms(at + 5));
   }
   EXPECT_EQ(bench.sink.count("m"), 5U);
-  ASSERT_EQ(bench.pipeline.set_output({OutputId::Kind::merged, "m"}, changed(bench, 180)), "");
+  ASSERT_EQ(bench.pipeline.set_scan({MakerId::Kind::merged, "m"}, changed(bench, 180)), "");
   sweep(bench, "a", ms(600));
   bench.pipeline.tick(bench_begin + ms(601));
   EXPECT_EQ(bench.sink.count("m"), 5U) << "what b sees would be missing";
@@ -113,7 +113,7 @@ TEST(MergedScanMaker, AfterAChangeDoesNotWaitForASourceThatIsLost) {
   for (double at = 200; at <= 1000; at += 100) sweep(bench, "a", ms(at));
   bench.pipeline.tick(bench_begin + ms(1050));
   const std::size_t before = bench.sink.count("m");
-  ASSERT_EQ(bench.pipeline.set_output({OutputId::Kind::merged, "m"}, changed(bench, 180)), "");
+  ASSERT_EQ(bench.pipeline.set_scan({MakerId::Kind::merged, "m"}, changed(bench, 180)), "");
   sweep(bench, "a", ms(1100));
   EXPECT_EQ(bench.sink.count("m"), before + 1);
 }
@@ -123,7 +123,7 @@ TEST(MergedScanMaker, StampsDoNotGoBackOverAChange) {
   sweep(bench, "a", ms(500));
   sweep(bench, "b", ms(500));
   const Stamp before = bench.sink.scans["m"].back().stamp;
-  ASSERT_EQ(bench.pipeline.set_output({OutputId::Kind::merged, "m"}, changed(bench, 180)), "");
+  ASSERT_EQ(bench.pipeline.set_scan({MakerId::Kind::merged, "m"}, changed(bench, 180)), "");
   // Both scanners' stamps go 20 ms back, as after a correction of their clocks.
   for (const char* source : {"a", "b"})
     bench.give(source, round_scan(source, bench_begin + ms(400), 5, 361, sweep_time), bench_begin + ms(600));

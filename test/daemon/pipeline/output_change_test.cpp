@@ -67,7 +67,7 @@ TEST(OutputChange, TakesEffectWithTheNextInputAndKeepsCounting) {
   OutputScanConfig wanted = vehicle.config.merged_scans[0].output;
   wanted.grid.angle_increment = 0.02;
   wanted.grid.range_max = 4;
-  EXPECT_EQ(vehicle.pipeline.set_output({OutputId::Kind::merged, "around"}, wanted), "");
+  EXPECT_EQ(vehicle.pipeline.set_scan({MakerId::Kind::merged, "around"}, wanted), "");
   const PlanarScan& scan = vehicle.send_scan();
   EXPECT_EQ(scan.beams, 151U);
   EXPECT_EQ(scan.range_max, 4);
@@ -85,17 +85,17 @@ TEST(OutputChange, AppliesToVirtualScans) {
   EXPECT_EQ(hits(vehicle.send_cloud()), 0) << "above the default height";
   OutputScanConfig wanted = vehicle.config.virtual_scans[0].output;
   wanted.max_height = 0.5;
-  EXPECT_EQ(vehicle.pipeline.set_output({OutputId::Kind::virtual_group, "levels"}, wanted), "");
+  EXPECT_EQ(vehicle.pipeline.set_scan({MakerId::Kind::virtual_group, "levels"}, wanted), "");
   EXPECT_EQ(hits(vehicle.send_cloud()), 1);
 }
 
 TEST(OutputChange, IsRefusedForAGridThatIsWrongOrAnOutputThatIsNot) {
   ChangedVehicle vehicle;
   OutputScanConfig wanted = vehicle.config.merged_scans[0].output;
-  EXPECT_THAT(vehicle.pipeline.set_output({OutputId::Kind::virtual_group, "around"}, wanted),
+  EXPECT_THAT(vehicle.pipeline.set_scan({MakerId::Kind::virtual_group, "around"}, wanted),
               HasSubstr("no output named around"));
   wanted.grid.angle_max = -2;
-  EXPECT_THAT(vehicle.pipeline.set_output({OutputId::Kind::merged, "around"}, wanted),
+  EXPECT_THAT(vehicle.pipeline.set_scan({MakerId::Kind::merged, "around"}, wanted),
               HasSubstr("expected angle_min < angle_max"));
   EXPECT_EQ(vehicle.send_scan().beams, 301U);
 }

@@ -141,7 +141,7 @@ TEST(PipelineReconfigure, WhatWasSetByHandIsWhatTheFileSaysAgain) {
   Played one(parse_config(demo(), "demo"));
   OutputScanConfig wanted = one.config.virtual_scans[0].output;
   wanted.grid.beams = 100;
-  ASSERT_EQ(one.pipeline.set_output({OutputId::Kind::virtual_group, "levels"}, wanted), "");
+  ASSERT_EQ(one.pipeline.set_scan({MakerId::Kind::virtual_group, "levels"}, wanted), "");
   play([&](std::size_t number, const Packet& packet) {
     if (number == 900) one.pipeline.configure(one.config);
     one.pipeline.packet(packet);

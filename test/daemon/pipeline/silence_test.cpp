@@ -121,9 +121,9 @@ TEST(Silence, FromTheStartIsAnErrorUnlessAllHasJustBegun) {
   sample.report.starting = true;
   EXPECT_EQ(sample.after(0).health, Health::ok);
   EXPECT_EQ(sample.after(0).message, "waiting for data from 192.168.1.201 to port 2368");
-  sample.report.link_trouble = "connection refused";
+  sample.report.connection_trouble = "connection refused";
   EXPECT_EQ(sample.after(0).health, Health::error) << "an attempt that failed needs no patience";
-  sample.report.link_trouble = first_attempt;
+  sample.report.connection_trouble = first_attempt;
   EXPECT_EQ(sample.after(0).health, Health::ok);
 }
 
@@ -137,11 +137,11 @@ TEST(Silence, OfAnEmptyCaptureIsNoTelemetry) {
 TEST(Silence, NamesItsCauseAsFarAsItIsKnown) {
   Sample sample;
   const auto message = [&] { return sample.after(1001).message; };
-  sample.report.link_hint = "perhaps a firewall";
+  sample.report.connection_hint = "perhaps a firewall";
   EXPECT_THAT(message(), testing::EndsWith("to port 2368: perhaps a firewall"));
   sample.report.info.warnings = {"first", "the device says so"};
   EXPECT_THAT(message(), testing::EndsWith("to port 2368: first. the device says so"));
-  sample.report.link_trouble = "lidar0 has no link";
+  sample.report.connection_trouble = "lidar0 has no link";
   EXPECT_THAT(message(), testing::EndsWith("to port 2368: lidar0 has no link"));
   sample.stray(IpAddress::v4(192, 168, 1, 9), 23680, 9);
   sample.stray(IpAddress::v4(192, 168, 1, 7), 2368, 3);

@@ -27,12 +27,12 @@ TEST(Sinks, WhatCameOutIsCountedByTopicAndStaysCountedOverAReload) {
   for (const bool reloaded : {false, true}) {
     if (reloaded) router.configure(front_and_roof("first: {model: sick_lms1xx, ip_address: 10.0.0.1}, "));
     EXPECT_EQ(&router.topic("front/scan"), &front_scan) << "whoever publishes there need not ask again";
-    const OutputReport& scans = router.reports().at(front_scan.id);
+    const TopicReport& scans = router.reports().at(front_scan.id);
     EXPECT_EQ(scans.name, "front/scan");
     EXPECT_EQ(scans.messages, 2U);
     EXPECT_EQ(scans.rate(), 2);
     EXPECT_TRUE(scans.promised);
-    const OutputReport& fixes = router.reports().at(router.topic("roof/fix").id);
+    const TopicReport& fixes = router.reports().at(router.topic("roof/fix").id);
     EXPECT_EQ(fixes.messages, 0U);
     EXPECT_FALSE(fixes.promised);
   }
@@ -53,12 +53,12 @@ TEST(Sinks, APipelineTellsOfEveryTopicWhatCameAndWhyNothingCame) {
     pipeline.scan_message(source, scan, begin);
   }
   pipeline.tick(begin + std::chrono::seconds(1));
-  const auto reports = output_reports(pipeline);
+  const auto reports = topic_reports(pipeline);
   ASSERT_EQ(reports.size(), 1U);
   EXPECT_EQ(reports[0].name, "both");
   EXPECT_GE(reports[0].messages, 1U);
   Pipeline silent(config, none, sink);
-  EXPECT_EQ(output_reports(silent)[0].remark.find("no output: no input has come in yet; a: "), 0U);
+  EXPECT_EQ(topic_reports(silent)[0].remark.find("no output: no input has come in yet; a: "), 0U);
 }
 
 }  // namespace

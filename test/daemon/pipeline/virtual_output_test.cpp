@@ -99,7 +99,7 @@ TEST(VirtualScanMaker, StampsDoNotGoBackOverAChange) {
   bench.give("roof", posts(bench_begin + ms(100), ring_of_posts(5, 0)), bench_begin + ms(200));
   OutputScanConfig wanted = bench.config.virtual_scans[0].output;
   wanted.grid.beams = 360;
-  ASSERT_EQ(bench.pipeline.set_output({OutputId::Kind::virtual_group, "v"}, wanted), "");
+  ASSERT_EQ(bench.pipeline.set_scan({MakerId::Kind::virtual_group, "v"}, wanted), "");
   bench.give("roof", posts(bench_begin + ms(90), ring_of_posts(5, 0)), bench_begin + ms(210));
   EXPECT_EQ(bench.sink.count("low"), 1U);
   bench.give("roof", posts(bench_begin + ms(200), ring_of_posts(5, 0)), bench_begin + ms(310));

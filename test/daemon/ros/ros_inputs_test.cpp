@@ -58,7 +58,7 @@ struct Seen final : MessageReceiver {
   void turn_message(Stamp, const Eigen::Vector3d&, const std::string&, Stamp) override {}
   void speed_message(double, Stamp) override {}
   int changes = 0;
-  std::string set_output(const OutputId&, const OutputScanConfig&) override { return ++changes, ""; }
+  std::string set_scan(const MakerId&, const OutputScanConfig&) override { return ++changes, ""; }
   std::string set_sensor(const SensorConfig&) override { return {}; }
 };
 
