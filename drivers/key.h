@@ -21,6 +21,7 @@
 
 namespace lidard {
 
+class Value;
 struct KeyValue;
 using KeyList = std::vector<KeyValue>;
 using KeyMap = std::vector<std::pair<std::string, KeyValue>>;
@@ -155,7 +156,8 @@ struct Key : Form, Missing {
   bool applies = true;  ///< false: it means nothing with the other keys as they are, and is not shown
   SectionStyle style = SectionStyle::lines;
   Keys inner;                                                ///< of a section
-  std::function<void(const KeyValue&, const Form&)> setter;  ///< empty: the enclosing section parses it
+  std::function<void(const KeyValue&, const Form&)> setter;  ///< of a member
+  std::function<void(const Value&)> reader;                  ///< of a value of a form of its own
 
   /// The key of a member; of kind `special` it is shown, and parsed by the enclosing section.
   template <class T>
@@ -173,11 +175,18 @@ struct Key : Form, Missing {
         name(called),
         meaning(help),
         value(std::move(shown)) {}
+  /// A key that is shown with a value, and that `read` parses.
+  Key(std::string_view called, KeyValue shown, std::function<void(const Value&)> read, Form limits,
+      std::string_view help, Missing without = {})
+      : Key(called, std::move(shown), std::move(limits), help, std::move(without)) {
+    reader = std::move(read);
+  }
   /// A section.
   Key(std::string_view called, Keys keys, std::string_view help, SectionStyle written = SectionStyle::lines)
       : Form{KeyKind::section}, name(called), meaning(help), style(written), inner(std::move(keys)) {}
 
-  bool can_be_set() const { return setter != nullptr; }
+  /// False: the enclosing section parses it.
+  bool can_be_read() const { return setter != nullptr || reader != nullptr; }
   /// Stores a value of the right kind (a valid address for an IpAddress) in the member.
   void set(const KeyValue& given) const { setter(given, *this); }
 };

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/config/black_box.h"
 
+#include "daemon/config/config.h"
+#include "daemon/config/reading.h"
 #include "daemon/config/rows.h"
 
 namespace lidard {
@@ -23,12 +25,9 @@ Keys black_box_keys(BlackBoxConfig& black_box) {
        "captures that errors may start within 24 hours, and one a minute at most; `lidard dump` is free"}};
 }
 
-void read_black_box(const Mapping& root, BlackBoxConfig& black_box) {
-  const auto section = root.find("blackbox");
-  if (!section) return;
-  Mistakes mistakes;
-  read_section(*section, black_box_keys(black_box), mistakes);
-  mistakes.throw_if_any();
+void read_black_box(const Mapping& root, Reading& reading) {
+  if (const auto section = root.find("blackbox"))
+    read_section(*section, black_box_keys(reading.config.black_box));
 }
 
 }  // namespace lidard

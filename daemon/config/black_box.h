@@ -9,6 +9,7 @@
 namespace lidard {
 
 class Mapping;
+struct Reading;
 
 /// `blackbox:` of the configuration.
 struct BlackBoxConfig {
@@ -20,6 +21,6 @@ struct BlackBoxConfig {
 };
 
 Keys black_box_keys(BlackBoxConfig& black_box);
-void read_black_box(const Mapping& root, BlackBoxConfig& black_box);
+void read_black_box(const Mapping& root, Reading& reading);
 
 }  // namespace lidard

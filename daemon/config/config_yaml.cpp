@@ -16,7 +16,7 @@ namespace {
 
 void warn_of_unused(const Mapping& root, Reading& reading) {
   for (const auto& [name, entry] : root.find("sensors")->entries()) {
-    const SensorConfig* const sensor = find_sensor(reading.sensors, name);
+    const SensorConfig* const sensor = reading.config.find_sensor(name);
     if (sensor->model == nullptr && !reading.claims.is_used(name))
       reading.warn(entry.key_location(), entry.path() + " is used by no merged and no virtual scan");
   }
@@ -60,8 +60,7 @@ Config parse_config(const std::string& text, const std::string& name) {
   Config config;
   config.file = name;
   config.text = text;
-  Reading reading{config.file,    config.warnings,      config.vehicle,
-                  config.sensors, config.merged_clouds, config.virtual_scans};
+  Reading reading{config};
   const Value file = parse_yaml(text, name);
   Mistakes mistakes;
   const Mapping root = known_mapping(
@@ -71,8 +70,8 @@ Config parse_config(const std::string& text, const std::string& name) {
   mistakes.attempt([&] { read_sensors(root, reading); });
   mistakes.attempt([&] { read_merged_clouds(root, reading); });
   mistakes.attempt([&] { read_virtual_scans(root, reading); });
-  mistakes.attempt([&] { read_merged_scans(root, config.merged_scans, reading); });
-  mistakes.attempt([&] { read_black_box(root, config.black_box); });
+  mistakes.attempt([&] { read_merged_scans(root, reading); });
+  mistakes.attempt([&] { read_black_box(root, reading); });
   mistakes.throw_if_any();
   warn_of_unused(root, reading);
   return config;

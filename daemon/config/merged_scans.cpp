@@ -6,10 +6,9 @@
 #include <set>
 #include <utility>
 
+#include "daemon/config/config.h"
 #include "daemon/config/reading.h"
 #include "daemon/config/rows.h"
-#include "daemon/config/sensors.h"
-#include "daemon/config/vehicle.h"
 
 namespace lidard {
 namespace {
@@ -25,7 +24,8 @@ KeyMap shown_settings(std::map<std::string, SourceSettings>& of_sources) {
 }
 
 std::string expected_sources(const Reading& reading) {
-  std::string expected = "names of sensors that give scans: " + names_of(reading.sensors, FrameKind::scan);
+  std::string expected =
+      "names of sensors that give scans: " + names_of(reading.config.sensors, FrameKind::scan);
   const char* separator = "; or virtual scans: ";
   for (const Candidate& one : reading.candidates) {
     if (one.source.kind == Source::Kind::virtual_scan)
@@ -35,9 +35,7 @@ std::string expected_sources(const Reading& reading) {
 }
 
 void read_one_source(const Value& entry, SourceSettings& settings) {
-  Mistakes mistakes;
-  const Mapping yaml = read_section(entry, source_keys(settings), mistakes);
-  mistakes.throw_if_any();
+  const Mapping yaml = read_section(entry, source_keys(settings));
   if (settings.range_min >= settings.range_max)
     yaml.where_first({"range_max", "range_min"})
         .fail("leaves nothing between range_min and range_max", "range_min < range_max");
@@ -66,19 +64,14 @@ void read_source_settings(const Mapping& yaml, const SourceList& list, Merged& m
   if (!section) return;
   std::vector<std::string_view> names(sources.begin(), sources.end());
   names.insert(names.end(), list.written.begin(), list.written.end());
-  Mistakes mistakes;
-  const Mapping entries = known_mapping(*section, names, mistakes);
   std::set<std::string> set_up;
-  for (const auto& [name, entry] : entries.entries()) {
+  read_each(*section, names, [&](const std::string& name, const Value& entry) {
     const auto index = static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
     const std::string& source = sources[index % sources.size()];
-    mistakes.attempt([&, &entry = entry] {
-      if (!set_up.insert(source).second)
-        entry.fail_at_key("is " + source + ", which has settings already", "one entry for each source");
-      read_one_source(entry, merged.source_settings.emplace(source, common).first->second);
-    });
-  }
-  mistakes.throw_if_any();
+    if (!set_up.insert(source).second)
+      entry.fail_at_key("is " + source + ", which has settings already", "one entry for each source");
+    read_one_source(entry, merged.source_settings.emplace(source, common).first->second);
+  });
 }
 
 void read_free_required(const Mapping& yaml, Merged& merged) {
@@ -126,7 +119,7 @@ void refuse_flat_sources(const SourceList& sources, const Merged& merged) {
 }
 
 void warn_without_footprint(const Mapping& yaml, const Merged& merged, Reading& reading) {
-  if (!merged.has_visibility() || !reading.vehicle.footprint.empty()) return;
+  if (!merged.has_visibility() || !reading.config.vehicle.footprint.empty()) return;
   reading.warn(yaml.where("profile").location(),
                yaml.self().path() +
                    " is to say what is observed, but vehicle.footprint is not set: where the vehicle hides "
@@ -153,7 +146,7 @@ Merged read_merged(const std::string& name, const Value& entry, Reading& reading
   const Keys keys = merged_keys(merged);
   const Mapping yaml = mapping_of(entry, keys, mistakes);
   merged.name = name;
-  merged.destination_frame = reading.vehicle.base_frame;
+  merged.destination_frame = reading.config.vehicle.base_frame;
   merged.scan_destination_topic = name;
   const auto gives_scans = [](const Value&, const Reading&) { return FrameKind::scan; };
   SourceList sources;
@@ -166,11 +159,10 @@ Merged read_merged(const std::string& name, const Value& entry, Reading& reading
   // The limit is not known while a key is wrong.
   if (!mistakes.any()) mistakes.attempt([&] { read_free_required(yaml, merged); });
   mistakes.attempt([&] {
-    if (merged.destination_frame == reading.vehicle.odometry_frame)
+    if (merged.destination_frame == reading.config.vehicle.odometry_frame)
       yaml.where("destination_frame")
           .fail("is vehicle.odometry_frame", "a frame that moves with the vehicle");
   });
-  mistakes.attempt([&] { read_also(yaml, merged.also); });
   if (has_sources) mistakes.attempt([&] { read_source_settings(yaml, sources, merged); });
   if (has_sources) mistakes.attempt([&] { read_free_requires(yaml, sources, merged); });
   // The rules between keys need all of them.
@@ -237,8 +229,8 @@ Keys merged_keys(Merged& merged) {
         also_key(merged.also)}});
 }
 
-void read_merged_scans(const Mapping& root, std::vector<Merged>& merged_scans, Reading& reading) {
-  read_entries(root.find("merged_scans"), merged_scans, reading, read_merged);
+void read_merged_scans(const Mapping& root, Reading& reading) {
+  read_entries(root.find("merged_scans"), reading.config.merged_scans, reading, read_merged);
 }
 
 }  // namespace lidard

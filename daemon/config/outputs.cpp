@@ -131,23 +131,17 @@ bool knows_free_space(const OutputScanConfig& output, const std::vector<AlsoScan
 Key also_key(std::vector<AlsoScanConfig>& also) {
   KeyMap shown;
   for (AlsoScanConfig& one : also) shown.emplace_back(one.topic, profile_key(one.profile).value);
-  return {"also", shown, keys::special("{TOPIC: PROFILE, …}"), "more scans of the same evidence, by topic"};
-}
-
-void read_also(const Mapping& yaml, std::vector<AlsoScanConfig>& also) {
-  const auto section = yaml.find("also");
-  if (!section) return;
-  Mistakes mistakes;
-  for (const auto& [topic, value] : section->entries(&mistakes)) {
-    mistakes.attempt([&, &topic = topic, &value = value] {
+  const auto read = [&also](const Value& section) {
+    read_each(section, {}, [&](const std::string& topic, const Value& value) {
       check_entry_name(topic, value);
       AlsoScanConfig one{topic};
       const Key profile = profile_key(one.profile);
       profile.set(read_value(value, profile));
       also.push_back(one);
     });
-  }
-  mistakes.throw_if_any();
+  };
+  return {"also", shown, read, keys::special("{TOPIC: PROFILE, …}"),
+          "more scans of the same evidence, by topic"};
 }
 
 }  // namespace lidard

@@ -48,9 +48,7 @@ void check_sector(const Mapping& yaml, const Sector& sector);
 /// The ranges of a scan of these sources, unless the file says others.
 void default_ranges(const std::vector<Source>& sources, ScanGridSpec& grid);
 
-/// The key `also`, which read_also() reads.
 Key also_key(std::vector<AlsoScanConfig>& also);
-void read_also(const Mapping& yaml, std::vector<AlsoScanConfig>& also);
 /// True if some of these scans is more than points.
 bool knows_free_space(const OutputScanConfig& output, const std::vector<AlsoScanConfig>& also);
 

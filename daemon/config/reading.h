@@ -13,10 +13,7 @@
 
 namespace lidard {
 
-struct VehicleConfig;
-struct SensorConfig;
-struct MergedCloudConfig;
-struct VirtualScanConfig;
+struct Config;
 
 /// What must be unique among all parts of a configuration, gathered while they are read.
 class ConfigClaims {
@@ -73,13 +70,7 @@ struct Candidate {
 
 /// A configuration while it is read: the parts so far, in their order, and what concerns all of them.
 struct Reading {
-  const std::string& file;
-  std::vector<std::string>& warnings;
-  VehicleConfig& vehicle;
-  std::vector<SensorConfig>& sensors;
-  std::vector<MergedCloudConfig>& merged_clouds;
-  std::vector<VirtualScanConfig>& virtual_scans;
-
+  Config& config;
   ConfigClaims claims{};
   std::vector<Candidate> candidates{};
   std::set<std::string> invalid_names{};  ///< without leading slash
@@ -100,15 +91,15 @@ template <class Entry>
 void read_entries(const std::optional<Value>& section, std::vector<Entry>& entries, Reading& reading,
                   Entry (*read_one)(const std::string& name, const Value& entry, Reading& reading)) {
   if (!section) return;
-  Mistakes mistakes;
-  for (const auto& [name, value] : section->entries(&mistakes)) {
-    const bool is_valid = mistakes.attempt([&, &name = name, &value = value] {
+  read_each(*section, {}, [&](const std::string& name, const Value& value) {
+    try {
       check_entry_name(name, value);
       entries.push_back(read_one(name, value, reading));
-    });
-    if (!is_valid) reading.add_invalid_names(name, value);
-  }
-  mistakes.throw_if_any();
+    } catch (const ConfigError&) {
+      reading.add_invalid_names(name, value);
+      throw;
+    }
+  });
 }
 
 /// What `value` names of the sources so far: something that gives frames of this kind. A leading slash is of

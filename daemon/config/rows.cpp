@@ -113,18 +113,16 @@ KeyValue read_value(const Value& value, const Key& key) {
 
 void read_key(const Mapping& yaml, const Key& key) {
   const auto value =
-      key.required && key.can_be_set() ? yaml.require(key.name, expected_of(key)) : yaml.find(key.name);
+      key.required && key.can_be_read() ? yaml.require(key.name, expected_of(key)) : yaml.find(key.name);
   if (key.kind == KeyKind::angle) {
     const auto angle = yaml.angle(std::string(key.name));
-    if (angle && key.can_be_set()) key.set(*angle);
+    if (angle && key.can_be_read()) key.set(*angle);
   } else if (key.kind == KeyKind::section && value) {
     const bool is_brief = key.style == SectionStyle::brief && value->is_text();
     if (is_brief) return key.inner.front().set(read_value(*value, key.inner.front()));
-    Mistakes mistakes;
-    read_section(*value, key.inner, mistakes);
-    mistakes.throw_if_any();
-  } else if (key.can_be_set() && value) {
-    key.set(read_value(*value, key));
+    read_section(*value, key.inner);
+  } else if (key.can_be_read() && value) {
+    key.reader ? key.reader(*value) : key.set(read_value(*value, key));
   }
 }
 
@@ -132,9 +130,11 @@ void read_keys(const Mapping& yaml, const Keys& keys, Mistakes& mistakes) {
   for (const Key& key : keys) mistakes.attempt([&] { read_key(yaml, key); });
 }
 
-Mapping read_section(const Value& value, const Keys& keys, Mistakes& mistakes) {
+Mapping read_section(const Value& value, const Keys& keys) {
+  Mistakes mistakes;
   Mapping yaml = mapping_of(value, keys, mistakes);
   read_keys(yaml, keys, mistakes);
+  mistakes.throw_if_any();
   return yaml;
 }
 

@@ -22,8 +22,8 @@ KeyValue read_value(const Value& value, const Key& key);
 void read_key(const Mapping& yaml, const Key& key);
 /// Reads the keys; a mistake in one is kept in `mistakes` and leaves its member unchanged.
 void read_keys(const Mapping& yaml, const Keys& keys, Mistakes& mistakes);
-/// Reads the keys of a mapping that has no others.
-Mapping read_section(const Value& value, const Keys& keys, Mistakes& mistakes);
+/// Reads the keys of a mapping that has no others; throws all mistakes.
+Mapping read_section(const Value& value, const Keys& keys);
 
 /// The values of the keys that apply and are set. An infinite number, and an empty text that is no value of
 /// the key, are as good as not set.

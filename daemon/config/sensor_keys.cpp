@@ -60,22 +60,17 @@ bool is_of_network(const Key& key) {
   return std::find(std::begin(names), std::end(names), key.name) != std::end(names);
 }
 
-std::optional<Rejection> no_sender(const KeyValue& value) {
+/// A rejection of what is no IPv4 address, or one of a group where none is wanted, or the other way round.
+std::optional<Rejection> no_peer(const KeyValue& value, bool of_group, const char* form) {
   const auto address = IpAddress::parse(std::get<std::string>(value));
-  if (!address) return Rejection{"is {}, which is no address", sender_form};
-  if (address->v6) return Rejection{"is {}, an IPv6 address, from which nothing is received", sender_form};
-  if (!address->is_multicast()) return std::nullopt;
-  return Rejection{"is {}, a multicast group",
-                   std::string(sender_form) + "; the group goes into multicast_group"};
+  if (!address) return Rejection{"is {}, which is no address", form};
+  if (address->v6) return Rejection{"is {}, an IPv6 address, from which nothing is received", form};
+  if (address->is_multicast() == of_group) return std::nullopt;
+  if (of_group) return Rejection{"is {}, which is no multicast group", form};
+  return Rejection{"is {}, a multicast group", std::string(form) + "; the group goes into multicast_group"};
 }
-
-std::optional<Rejection> no_group(const KeyValue& value) {
-  const auto address = IpAddress::parse(std::get<std::string>(value));
-  if (!address) return Rejection{"is {}, which is no address", group_form};
-  if (address->v6) return Rejection{"is {}, an IPv6 address, from which nothing is received", group_form};
-  if (address->is_multicast()) return std::nullopt;
-  return Rejection{"is {}, which is no multicast group", group_form};
-}
+std::optional<Rejection> no_sender(const KeyValue& value) { return no_peer(value, false, sender_form); }
+std::optional<Rejection> no_group(const KeyValue& value) { return no_peer(value, true, group_form); }
 
 std::optional<Rejection> no_receiver(const KeyValue& value) {
   const auto address = IpAddress::parse(std::get<std::string>(value));

@@ -57,6 +57,15 @@ Mapping known_mapping(const Value& value, const std::vector<std::string_view>& k
   return {value, std::move(entries), !mistakes.any()};
 }
 
+void read_each(const Value& mapping, const std::vector<std::string_view>& known,
+               const std::function<void(const std::string& name, const Value& value)>& read) {
+  Mistakes mistakes;
+  const auto entries =
+      known.empty() ? mapping.entries(&mistakes) : known_mapping(mapping, known, mistakes).entries();
+  for (const auto& entry : entries) mistakes.attempt([&] { read(entry.first, entry.second); });
+  mistakes.throw_if_any();
+}
+
 std::string without_slash(const std::string& name) {
   return name.substr(name.compare(0, 1, "/") == 0 ? 1 : 0);
 }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,6 +20,9 @@ std::string_view ours_for(const std::string& path);
 
 /// A mapping with known keys. Unknown and repeated ones are left out, and are mistakes.
 Mapping known_mapping(const Value& value, const std::vector<std::string_view>& known, Mistakes& mistakes);
+/// Reads each entry of a mapping, whose names are `known` ones unless that is empty; throws all mistakes.
+void read_each(const Value& mapping, const std::vector<std::string_view>& known,
+               const std::function<void(const std::string& name, const Value& value)>& read);
 /// A pose from {xyz: m, rpy: rad or rpy_deg}.
 Pose read_pose(const Value& value);
 /// A frame's name without leading slash (tf2 has none).

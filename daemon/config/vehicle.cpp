@@ -8,6 +8,7 @@
 #include <boost/geometry/geometries/point_xy.hpp>
 #include <boost/geometry/geometries/polygon.hpp>
 
+#include "daemon/config/config.h"
 #include "daemon/config/reading.h"
 #include "daemon/config/rows.h"
 
@@ -83,7 +84,8 @@ Keys vehicle_keys(VehicleConfig& vehicle) {
   using namespace keys;
   return {
       {"base_frame", vehicle.base_frame, frame, "the frame of the vehicle"},
-      {"footprint", footprint_of(vehicle), special("[[x, y], …], m"),
+      {"footprint", footprint_of(vehicle),
+       [&](const Value& value) { vehicle.footprint = read_footprint(value); }, special("[[x, y], …], m"),
        "polygon in base_frame; returns from inside are left out; published on the topic footprint"},
       {"odometry_frame", vehicle.odometry_frame, frame,
        "poses of base_frame in it come from tf; scans are deskewed by them; empty: none", or_none},
@@ -96,13 +98,8 @@ Keys vehicle_keys(VehicleConfig& vehicle) {
 void read_vehicle(const Mapping& root, Reading& reading) {
   const auto section = root.find("vehicle");
   if (!section) return;
-  VehicleConfig& vehicle = reading.vehicle;
-  Mistakes mistakes;
-  const Mapping yaml = read_section(*section, vehicle_keys(vehicle), mistakes);
-  if (const auto footprint = yaml.find("footprint"))
-    mistakes.attempt([&] { vehicle.footprint = read_footprint(*footprint); });
-  mistakes.throw_if_any();
-  check_vehicle(yaml, vehicle, reading.claims);
+  VehicleConfig& vehicle = reading.config.vehicle;
+  check_vehicle(read_section(*section, vehicle_keys(vehicle)), vehicle, reading.claims);
 }
 
 }  // namespace lidard

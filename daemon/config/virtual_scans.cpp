@@ -5,11 +5,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "daemon/config/merged_clouds.h"
+#include "daemon/config/config.h"
 #include "daemon/config/reading.h"
 #include "daemon/config/rows.h"
-#include "daemon/config/sensors.h"
-#include "daemon/config/vehicle.h"
 
 namespace lidard {
 namespace {
@@ -28,17 +26,18 @@ Keys ground_keys(GroundSettings& ground) {
           {"tolerance", ground.tolerance, number(0.001, 10, "m"), "what lies nearer to it belongs to it"}};
 }
 
-void read_frames(const Mapping& yaml, Virtual& scan) {
-  const std::string expected = "names of frames, each the origin of one virtual scan";
-  const Value list = yaml.require("virtual_laser_scan", expected);
-  for (const Value& value : list.names(expected)) {
+constexpr const char* frames_form = "names of frames, each the origin of one virtual scan";
+
+std::vector<std::string> read_frames(const Value& list) {
+  std::vector<std::string> frames;
+  for (const Value& value : list.names(frames_form)) {
     const std::string frame = read_frame(value);
-    const auto& known = scan.virtual_laser_scan;
-    if (std::find(known.begin(), known.end(), frame) != known.end())
+    if (std::find(frames.begin(), frames.end(), frame) != frames.end())
       value.fail("names " + frame + " again", "every frame once");
-    scan.virtual_laser_scan.push_back(frame);
+    frames.push_back(frame);
   }
-  if (scan.virtual_laser_scan.empty()) list.fail("names nothing", expected);
+  if (frames.empty()) list.fail("names nothing", frames_form);
+  return frames;
 }
 
 void read_poses(const Mapping& yaml, Virtual& scan, Reading& reading) {
@@ -47,16 +46,11 @@ void read_poses(const Mapping& yaml, Virtual& scan, Reading& reading) {
     scan.poses[scan.base_frame] = Pose::Identity();
   const auto section = yaml.find("poses");
   if (!section) return;
-  Mistakes mistakes;
-  const Mapping poses = known_mapping(*section, frames, mistakes);
-  for (const auto& [frame, value] : poses.entries()) {
-    mistakes.attempt([&, &frame = frame, &value = value] {
-      const Pose pose = read_pose(value);
-      reading.claims.holds_frame(frame, scan.base_frame, pose, yaml.self().path(), value);
-      scan.poses[frame] = pose;
-    });
-  }
-  mistakes.throw_if_any();
+  read_each(*section, frames, [&](const std::string& frame, const Value& value) {
+    const Pose pose = read_pose(value);
+    reading.claims.holds_frame(frame, scan.base_frame, pose, yaml.self().path(), value);
+    scan.poses[frame] = pose;
+  });
 }
 
 void claim_topics(const Mapping& yaml, const Virtual& scan, Reading& reading) {
@@ -93,7 +87,7 @@ void refuse_without_visibility(const Mapping& yaml, Virtual& scan) {
 /// What follows for the sources of a scan that knows free space.
 void prepare_sources(const std::vector<std::string>& sources, Reading& reading) {
   // A beam that met something too near to measure is not free.
-  for (SensorConfig& sensor : reading.sensors) {
+  for (SensorConfig& sensor : reading.config.sensors) {
     if (std::find(sources.begin(), sources.end(), sensor.name) != sources.end())
       sensor.driver.keep_too_near = true;
   }
@@ -109,9 +103,9 @@ double default_free_range(const SensorConfig& sensor) {
 
 /// The sensors behind cloud_topic.
 std::vector<std::string> read_cloud_source(const Mapping& yaml, Virtual& scan, Reading& reading) {
-  std::string expected = "a sensor that gives clouds: " + names_of(reading.sensors, FrameKind::cloud);
+  std::string expected = "a sensor that gives clouds: " + names_of(reading.config.sensors, FrameKind::cloud);
   const char* separator = "; or a merged cloud: ";
-  for (const MergedCloudConfig& merged : reading.merged_clouds)
+  for (const MergedCloudConfig& merged : reading.config.merged_clouds)
     expected += std::exchange(separator, ", ") + merged.name;
   const Value named = yaml.require("cloud_topic", expected);
   const Source source = read_source(named, FrameKind::cloud, reading, expected);
@@ -122,12 +116,11 @@ std::vector<std::string> read_cloud_source(const Mapping& yaml, Virtual& scan, R
 }
 
 /// What holds for a scan of these sensors unless the file says otherwise.
-void set_defaults(const std::vector<std::string>& sources, const std::vector<SensorConfig>& sensors,
-                  Virtual& scan) {
+void set_defaults(const std::vector<std::string>& sources, const Config& config, Virtual& scan) {
   std::vector<Source> limits;
   std::optional<double> free_range;
   for (const std::string& name : sources) {
-    const SensorConfig& sensor = *find_sensor(sensors, name);
+    const SensorConfig& sensor = *config.find_sensor(name);
     limits.push_back(source_of(sensor));
     if (sensor.model != nullptr && sensor.model->kind == FrameKind::scan) continue;
     const double own = default_free_range(sensor);
@@ -169,14 +162,12 @@ Virtual read_virtual(const std::string& name, const Value& entry, Reading& readi
   const Keys keys = virtual_keys(scan);
   const Mapping yaml = mapping_of(entry, keys, mistakes);
   scan.name = name;
-  scan.base_frame = reading.vehicle.base_frame;
+  scan.base_frame = reading.config.vehicle.base_frame;
   std::vector<std::string> sources;
   mistakes.attempt([&] { sources = read_cloud_source(yaml, scan, reading); });
-  set_defaults(sources, reading.sensors, scan);
-  const bool has_frames = mistakes.attempt([&] { read_frames(yaml, scan); });
+  set_defaults(sources, reading.config, scan);
   read_keys(yaml, keys, mistakes);
-  mistakes.attempt([&] { read_also(yaml, scan.also); });
-  if (has_frames) mistakes.attempt([&] { read_poses(yaml, scan, reading); });
+  if (!scan.virtual_laser_scan.empty()) mistakes.attempt([&] { read_poses(yaml, scan, reading); });
   // The rules between keys need all of them.
   mistakes.throw_if_any();
   check_virtual_scan(yaml, sources, scan, reading);
@@ -208,8 +199,8 @@ Keys virtual_keys(Virtual& scan) {
       {{{"cloud_topic", scan.cloud_topic, special("a sensor that gives clouds, or a merged cloud"),
          "the source, by name or by the topic that it publishes", needed},
         {"base_frame", scan.base_frame, frame, "parent of the poses", preset("vehicle.base_frame")},
-        {"virtual_laser_scan", scan.virtual_laser_scan,
-         special("names of frames, each the origin of one virtual scan"),
+        {"virtual_laser_scan", KeyList(scan.virtual_laser_scan.begin(), scan.virtual_laser_scan.end()),
+         [&](const Value& value) { scan.virtual_laser_scan = read_frames(value); }, special(frames_form),
          "the frames, each the origin of one scan", needed},
         {"poses", KeyMap(scan.poses.begin(), scan.poses.end()), special("{FRAME: {xyz: [x, y, z]}}"),
          "of the frames in base_frame; a frame without one comes from tf"},
@@ -235,7 +226,7 @@ Keys virtual_keys(Virtual& scan) {
 }
 
 void read_virtual_scans(const Mapping& root, Reading& reading) {
-  read_entries(root.find("virtual_scans"), reading.virtual_scans, reading, read_virtual);
+  read_entries(root.find("virtual_scans"), reading.config.virtual_scans, reading, read_virtual);
 }
 
 }  // namespace lidard
