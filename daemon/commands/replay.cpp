@@ -80,7 +80,7 @@ struct Replay {
     print_verdicts(sensors, out);
     print_capture_counters(capture.counters(), 0, out);
     if (topics) {
-      for (const TopicReport& topic : topics->report()) {
+      for (const SourceReport& topic : topics->report()) {
         out << "  " << topic.topic << ": " << topic.messages << " messages for " << topic.sensor;
         if (topic.rejected > 0) out << ", " << topic.rejected << " of no use: " << topic.last_reason;
         if (topic.points_dropped > 0) out << ", " << topic.points_dropped << " points not finite";

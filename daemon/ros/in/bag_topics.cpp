@@ -70,7 +70,7 @@ BagTopics::BagTopics(const std::vector<std::string>& bags, const Config& config)
   check(bags);
   reader_->choose([this](const std::string& topic) {
     return std::any_of(sources_.begin(), sources_.end(),
-                       [&](const TopicReport& source) { return same_topic(source.topic, topic); });
+                       [&](const SourceReport& source) { return same_topic(source.topic, topic); });
   });
   advance();
 }
@@ -86,7 +86,7 @@ void BagTopics::check(const std::vector<std::string>& bags) const {
     throw std::runtime_error(first + ": no sensor of the configuration has a topic; give one `topic:`, of " +
                              there);
   const auto& all = reader_->topics();
-  const auto missing = std::find_if(sources_.begin(), sources_.end(), [&](const TopicReport& source) {
+  const auto missing = std::find_if(sources_.begin(), sources_.end(), [&](const SourceReport& source) {
     return std::none_of(all.begin(), all.end(), [&](const BagTopic& topic) {
       return topic.messages > 0 && same_topic(source.topic, topic.name);
     });
@@ -106,7 +106,7 @@ void BagTopics::advance() {
 }
 
 /// Passes the message at hand on; returns why it is of no use.
-const char* BagTopics::pass(TopicReport& source, MessageReceiver& to, Stamp received) {
+const char* BagTopics::pass(SourceReport& source, MessageReceiver& to, Stamp received) {
   if (source.packets) {
     const ByteView bytes(message_.bytes.data(), message_.bytes.size());
     return read_velodyne_scan(bytes, [&](ByteView packet, HostStamp arrival) {
@@ -127,7 +127,7 @@ const char* BagTopics::pass(TopicReport& source, MessageReceiver& to, Stamp rece
 
 void BagTopics::feed(MessageReceiver* to, Stamp until) {
   for (; at_ && *at_ <= until; advance()) {
-    for (TopicReport& source : sources_) {
+    for (SourceReport& source : sources_) {
       if (to == nullptr || !same_topic(source.topic, message_.topic)) continue;
       ++source.messages;
       const char* const reason = pass(source, *to, *at_);

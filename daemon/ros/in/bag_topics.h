@@ -36,17 +36,17 @@ class BagTopics final : public TimedMessages {
   std::optional<Stamp> next() const override { return at_; }
   void feed(MessageReceiver* to, Stamp until) override;
   /// Messages passed and left out, by source.
-  const std::vector<TopicReport>& report() const { return sources_; }
+  const std::vector<SourceReport>& report() const { return sources_; }
   /// Why the messages end before the bags do, with the files; empty: they do not.
   const std::string& damage() const { return damage_; }
 
  private:
   void advance();
   void check(const std::vector<std::string>& bags) const;
-  const char* pass(TopicReport& source, MessageReceiver& to, Stamp received);
+  const char* pass(SourceReport& source, MessageReceiver& to, Stamp received);
 
   std::unique_ptr<BagReader> reader_;
-  std::vector<TopicReport> sources_;
+  std::vector<SourceReport> sources_;
   ClockStep clock_;
   BagMessage message_;
   std::optional<Stamp> at_;

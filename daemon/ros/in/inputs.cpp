@@ -39,7 +39,7 @@ std::optional<FrameKind> use_of(const std::string& sensor, const Config& config)
   return std::nullopt;
 }
 
-void judge(const TopicReport& report, bool waits, DiagnosticItem& item) {
+void judge(const SourceReport& report, bool waits, DiagnosticItem& item) {
   constexpr auto news = std::chrono::seconds(10);
   item.message = "receiving";
   if (!report.wrong_type.empty()) {
@@ -65,14 +65,14 @@ std::vector<TopicSource> topic_sources(const Config& config) {
 }
 
 const char* read_message(const sensor_msgs::LaserScan& message, const ClockStep& clock, PlanarScan& scan,
-                         TopicReport& report) {
+                         SourceReport& report) {
   const char* const error = from_ros(message, scan, clock);
   if (error == nullptr && !intensities_fit(message)) ++report.intensities_ignored;
   return error;
 }
 
 const char* read_message(const sensor_msgs::PointCloud2& message, const ClockStep& clock, Cloud& cloud,
-                         TopicReport& report) {
+                         SourceReport& report) {
   const CloudReading reading = from_ros(message, cloud, clock);
   if (reading.error != nullptr) return reading.error;
   report.points_dropped += reading.dropped;
@@ -82,7 +82,7 @@ const char* read_message(const sensor_msgs::PointCloud2& message, const ClockSte
 
 struct RosInputs::Source {
   mutable std::mutex mutex;
-  TopicReport report;
+  SourceReport report;
   int pending = 0;
   bool subscribed = false;  // belongs to the master thread
 
@@ -122,7 +122,7 @@ template <typename Message, typename Read>
 void RosInputs::subscribe_as(const MessageType& type, const std::shared_ptr<Source>& source, Read read) {
   const auto receive = [source, read, post = post_](const boost::shared_ptr<const Message>& message) {
     const std::lock_guard lock(source->mutex);
-    TopicReport& report = source->report;
+    SourceReport& report = source->report;
     ++report.messages;
     if (source->pending >= most_pending) {
       ++report.dropped;
@@ -155,7 +155,7 @@ void RosInputs::subscribe(const std::shared_ptr<Source>& source, const std::stri
   const std::string& sensor = source->report.sensor;
   if (source->report.packets && type == packets.name) {
     subscribe_as<RawMessage>(
-        packets, source, [sensor, clock = clock_](const auto& message, TopicReport&, RosTask& task) {
+        packets, source, [sensor, clock = clock_](const auto& message, SourceReport&, RosTask& task) {
           const ByteView bytes(message->data.message_start, message->size());
           task = [=, keeps_bytes = message](auto& to, Stamp received) {
             read_velodyne_scan(bytes, [&](ByteView packet, HostStamp arrival) {
@@ -170,7 +170,7 @@ void RosInputs::subscribe(const std::shared_ptr<Source>& source, const std::stri
   } else if (type == type_of<LaserScan>().name && source->accepts(FrameKind::scan)) {
     subscribe_as<LaserScan>(
         type_of<LaserScan>(), source,
-        [sensor, clock = clock_](const auto& message, TopicReport& report, RosTask& task) {
+        [sensor, clock = clock_](const auto& message, SourceReport& report, RosTask& task) {
           const auto scan = std::make_shared<PlanarScan>();
           const char* const error = read_message(*message, *clock, *scan, report);
           task = [=](auto& to, Stamp received) { to.scan_message(sensor, *scan, received); };
@@ -179,7 +179,7 @@ void RosInputs::subscribe(const std::shared_ptr<Source>& source, const std::stri
   } else if (type == type_of<PointCloud2>().name && source->accepts(FrameKind::cloud)) {
     subscribe_as<PointCloud2>(
         type_of<PointCloud2>(), source,
-        [sensor, clock = clock_](const auto& message, TopicReport& report, RosTask& task) {
+        [sensor, clock = clock_](const auto& message, SourceReport& report, RosTask& task) {
           const auto cloud = std::make_shared<Cloud>();
           const char* const error = read_message(*message, *clock, *cloud, report);
           task = [=](auto& to, Stamp received) { to.cloud_message(sensor, *cloud, received); };
@@ -207,8 +207,8 @@ void RosInputs::poll(MasterClient& master) {
   }
 }
 
-std::vector<TopicReport> RosInputs::report() const {
-  std::vector<TopicReport> all;
+std::vector<SourceReport> RosInputs::report() const {
+  std::vector<SourceReport> all;
   for (const auto& source : sources_) {
     const std::lock_guard lock(source->mutex);
     all.push_back(source->report);

@@ -32,7 +32,7 @@ struct TopicSource {
 std::vector<TopicSource> topic_sources(const Config& config);
 
 /// Counters of one topic source since the start.
-struct TopicReport : TopicSource {
+struct SourceReport : TopicSource {
   std::string type;                       ///< ROS type; empty while nobody publishes
   std::uint64_t messages = 0;             ///< received, good or bad
   std::uint64_t rejected = 0;             ///< unusable messages
@@ -47,9 +47,9 @@ struct TopicReport : TopicSource {
 
 /// Reads a message of a source, and counts in its report what is left out. Returns nullptr, or the fault.
 const char* read_message(const sensor_msgs::LaserScan& message, const ClockStep& clock, PlanarScan& scan,
-                         TopicReport& report);
+                         SourceReport& report);
 const char* read_message(const sensor_msgs::PointCloud2& message, const ClockStep& clock, Cloud& cloud,
-                         TopicReport& report);
+                         SourceReport& report);
 
 /// Subscribes LaserScan, PointCloud2 and VelodyneScan topics of other nodes. The type comes from the master,
 /// asked in the master thread; the callback thread converts and hands the result on.
@@ -65,7 +65,7 @@ class RosInputs : public RosComponent {
   }
   void poll(MasterClient& master) override;
   std::vector<DiagnosticItem> diagnostics() override;
-  std::vector<TopicReport> report() const;
+  std::vector<SourceReport> report() const;
 
  protected:
   void disconnected() override;
