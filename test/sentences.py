@@ -18,7 +18,7 @@ MAN = ROOT / "daemon/lidard.8"
 HEAD = """\
 # What lidard says
 
-Every sentence on `/diagnostics`, in `lidard status` and in `lidard events`, by item; words in italics stand for names and figures.
+Every sentence on `/diagnostics`, in `lidard status` and in `lidard events`, by item; words in capitals stand for names and figures.
 A `cause` stands behind another sentence. Beside these, items repeat what a device says of itself, and what the
 kernel says of a port or a connection, each with its remedy.
 """
@@ -37,6 +37,7 @@ NOT_TESTED = {
     "scans_dropped": "a computer that is too busy for seconds",
 }
 
+LEVELS = {"warn": "WARN", "error": "ERROR", "graded": "WARN, ERROR"}
 Sentence = collections.namedtuple("Sentence", "group name kind words remedy")
 
 
@@ -59,17 +60,24 @@ def sentences():
     return found
 
 
+def shown(text, parts):
+    """With names in capitals for figures, and with parts in brackets."""
+    def figure(found):
+        name = found.group(1)
+        return f"[{shown(parts[name], {})}]" if name in parts else name.replace("_", " ").upper()
+    return FIGURE.sub(figure, text).replace("|", "\\|")
+
+
 def page(table):
     lines, group = [HEAD.rstrip("\n")], None
+    parts = {one.name: one.words for one in table if one.kind == "part"}
     for one in table:
         if one.kind == "part":
             continue
         if one.group != group:
             lines += ["", f"## {one.group}", "", "| level | sentence | remedy |", "|---|---|---|"]
             group = one.group
-        words, remedy = (FIGURE.sub(lambda figure: f"*{figure.group(1).replace('_', ' ')}*", text).replace("|", "\\|")
-                         for text in (one.words, one.remedy))
-        lines.append(f"| {one.kind if one.kind in ('ok', 'cause') else one.kind.upper()} | {words} | {remedy} |")
+        lines.append(f"| {LEVELS.get(one.kind, one.kind)} | {shown(one.words, parts)} | {shown(one.remedy, parts)} |")
     return "\n".join(lines) + "\n"
 
 

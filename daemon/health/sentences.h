@@ -9,11 +9,15 @@
 /// remedy. config/doc/sentences.md is made of this table: test/sentences.py --write.
 namespace lidard::says {
 
-// clang-format off
-constexpr Sentence ok(std::string_view words, std::string_view remedy = "") { return {Health::ok, words, remedy}; }
-constexpr Sentence warn(std::string_view words, std::string_view remedy) { return {Health::warn, words, remedy}; }
-constexpr Sentence error(std::string_view words, std::string_view remedy) { return {Health::error, words, remedy}; }
-// clang-format on
+constexpr Sentence ok(std::string_view words) { return {Health::ok, words, ""}; }
+constexpr Sentence warn(std::string_view words, std::string_view remedy) {
+  return {Health::warn, words, remedy};
+}
+constexpr Sentence error(std::string_view words, std::string_view remedy) {
+  return {Health::error, words, remedy};
+}
+/// WARN, or ERROR where the code says so.
+constexpr Sentence graded(std::string_view words, std::string_view remedy) { return warn(words, remedy); }
 /// A cause that stands behind the colon of another sentence, whose level applies.
 constexpr Sentence cause(std::string_view words, std::string_view remedy) { return warn(words, remedy); }
 /// A piece of another sentence.
@@ -38,8 +42,8 @@ inline constexpr auto two_devices =
 inline constexpr auto serial_numbers = part("serial numbers {serials}");
 inline constexpr auto hardware_addresses = part("hardware addresses {addresses}");
 inline constexpr auto stamps_replaced = warn(
-    "the stamps of {source} are {seconds:.2f} s {side} this computer's clock, so they are placed by their "
-    "arrival",
+    "the stamps of {source} are {seconds:.2f} s {ahead_or_behind} this computer's clock, so they are placed "
+    "by their arrival",
     "synchronise the clocks of both computers (chrony){or_offset}; of a bag or a simulator, set "
     "/use_sim_time");
 inline constexpr auto ahead_of = part("ahead of");
@@ -61,18 +65,18 @@ constexpr std::string_view check_sensor =
     "check the sensor's state and settings, and the load of this computer";
 constexpr std::string_view check_model = "is it the configured model, and the only one that sends here?";
 constexpr std::string_view check_window = "is its window covered? An empty field looks the same";
-inline constexpr auto too_little = cause("{figures} in the last {seconds:.0f} s", "{remedy}");
-inline constexpr auto too_little_in_all = cause("{figures} in {seconds:.1f} s", "{remedy}");
+inline constexpr auto too_little = part("{figures} in the last {seconds:.0f} s; {remedy}");
+inline constexpr auto too_little_in_all = part("{figures} in {seconds:.1f} s; {remedy}");
 inline constexpr auto device_says = part("{sentence}. The device says: {warnings}");
 inline constexpr auto no_frame = error("no frame for {seconds:.1f} s although packets come", check_sensor);
 inline constexpr auto no_frame_of =
     error("0 of {expected:.1f} frames/s, no frame for {seconds:.1f} s although packets come", check_sensor);
-inline constexpr auto frames_missing = error("{rate:.1f} of {expected:.1f} frames/s", check_sensor);
-inline constexpr auto frames_lost = error("{rate:.1f} of {expected:.1f} frames/s", check_network);
-inline constexpr auto packets_lost = error("{share} of packets lost", check_network);
-inline constexpr auto scans_lost = error("{count} packets or scans lost", check_network);
+inline constexpr auto frames_missing = graded("{rate:.1f} of {expected:.1f} frames/s", check_sensor);
+inline constexpr auto frames_lost = graded("{rate:.1f} of {expected:.1f} frames/s", check_network);
+inline constexpr auto packets_lost = graded("{share} of packets lost", check_network);
+inline constexpr auto scans_lost = graded("{count} packets or scans lost", check_network);
 inline constexpr auto packets_twice = warn("{share} of packets came twice", check_path);
-inline constexpr auto packets_rejected = error("{share} of packets rejected: {counts}", check_model);
+inline constexpr auto packets_rejected = graded("{share} of packets rejected: {counts}", check_model);
 inline constexpr auto no_returns = warn("{share} of the beams with a return", check_window);
 inline constexpr auto beams_blind = warn("{share} of the beams blind (too near or invalid)", check_window);
 
@@ -84,7 +88,7 @@ inline constexpr auto from_address = part("{address} to port {port}");
 inline constexpr auto only_telemetry =
     error("no data, only telemetry on port {telemetry}",
           "check that its laser and motor are on and that it sends data to port {port}");
-inline constexpr auto silent = warn("silent: {cause}", "");
+inline constexpr auto silent = graded("silent: {cause}", "");
 inline constexpr auto nothing_because = error("nothing received from {source}: {cause}", "");
 inline constexpr auto nothing_from_driver = error("nothing received from {source}", "is its driver running?");
 inline constexpr auto nothing_but_others =
@@ -164,7 +168,7 @@ inline constexpr auto sources_late = warn("publishing without {sources}, whose s
                                           "a deadline of {deadline:.2f} waits for them");
 inline constexpr auto sources_old =
     warn("publishing without {sources}, whose sweeps are too old", "see the state of its sensors");
-inline constexpr auto published_without = warn("publishing without {names}: {cause}", "");
+inline constexpr auto published_without = graded("publishing without {names}: {cause}", "");
 inline constexpr auto clocks_apart =
     warn("merges scans whose stamps are {apart:.0f} s apart",
          "let all sources follow one clock, a simulator's (/use_sim_time) or this computer's");
@@ -264,7 +268,7 @@ inline constexpr auto box_used_up =
 inline constexpr auto box_written = ok("the last {seconds:.1f} s are in {file}");
 inline constexpr auto box_written_with_gaps =
     ok("the last {seconds:.1f} s are in {file}; {count} errors before that are in no capture, since one a "
-       "minute is written");
+       "minute is written; set blackbox.seconds to 60 for captures without gaps");
 inline constexpr auto clock_even = ok("the host's clock runs evenly");
 inline constexpr auto clock_set = warn("the host's clock was set by {step:+.3f} s",
                                        "keep it with chrony or ntpd, which turn its rate instead");
