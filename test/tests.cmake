@@ -74,6 +74,7 @@ add_dependencies(test_skeleton lidard_bags)
 
 add_test(NAME layering COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/test/layering.py ${CMAKE_CURRENT_SOURCE_DIR})
 add_test(NAME page_names COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/test/page_names.py ${CMAKE_CURRENT_SOURCE_DIR})
+add_test(NAME sentences COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/test/sentences.py)
 add_test(NAME page_names_test COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/test/page_names_test.py)
 add_test(NAME test_names COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/test/test_names.py ${programs})
 add_test(NAME skipped_tests COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/test/skipped_test.py)

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "daemon/files/text_file.h"
+#include "daemon/health/sentences.h"
 
 namespace lidard {
 namespace {
@@ -49,8 +50,7 @@ std::string LastGood::keep(const Config& config) const {
     fs::remove_all(folder_);
     fs::rename(part, folder_);
   } catch (const std::exception& error) {
-    return std::string("the configuration cannot be kept for a start with a wrong file: ") + error.what() +
-           "; make room there, or correct its rights";
+    return text<says::not_kept>(error.what());
   }
   return {};
 }

@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
 #include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
@@ -33,15 +32,13 @@ namespace {
 struct Replay {
   Replay(const ReplayOptions& how, const Config& what, MergedCapture& from, DiagnosticSink& to,
          TransformSource& poses)
-      : config(what),
-        capture(from),
+      : capture(from),
         topics(how.bags.empty() ? nullptr : std::make_unique<BagTopics>(how.bags, what)),
         alone(how.captures.empty()),
         sink(to),
-        pipeline(config, poses, sink),
+        pipeline(what, poses, sink),
         player(how, capture, pipeline) {}
 
-  const Config& config;
   MergedCapture& capture;
   const std::unique_ptr<BagTopics> topics;
   const bool alone;  // no captures beside the bags
@@ -92,13 +89,10 @@ struct Replay {
     if (player.skipped() > 0) out << "  " << player.skipped() << " datagrams before --start not played\n";
     for (const auto& sender : pipeline.unclaimed_senders())
       out << "  no sensor is configured for " << sender << '\n';
-    const std::vector<std::string> remarks = remarks_on(config);
     for (const auto& sensor : sensors) {
-      for (const auto& warning : sensor.info.warnings) {
-        const auto says_it = [&](const std::string& said) { return said.find(warning) != said.npos; };
-        if (std::none_of(remarks.begin(), remarks.end(), says_it))
-          err << sensor.name << ": " << warning << '\n';
-      }
+      const auto& warnings = sensor.info.warnings;
+      for (std::size_t i = sensor.info.from_configuration; i < warnings.size(); ++i)
+        err << sensor.name << ": " << warnings[i] << '\n';
     }
   }
 };

@@ -14,6 +14,7 @@
 #include "daemon/commands/last_good.h"
 #include "daemon/commands/status.h"
 #include "daemon/health/journal.h"
+#include "daemon/health/sentences.h"
 #include "daemon/live/cloud_worker.h"
 #include "daemon/live/process_memory.h"
 #include "daemon/live/runtime_socket.h"
@@ -201,9 +202,9 @@ class Daemon {
   DiagnosticItem configuration_item() const {
     DiagnosticItem item{"configuration"};
     item.logged = true;
-    item.message = "as in " + division_->whole.file;
+    item.set<says::as_in_file>(division_->whole.file);
     if (!not_kept_.empty()) item.set(Health::warn, not_kept_);
-    if (!trouble_.empty()) item.set(Health::error, trouble_ + "; the last good configuration is in force");
+    if (!trouble_.empty()) item.set<says::file_refused>(trouble_);
     item.add("File", division_->whole.file);
     item.add("Reloads", reloads_);
     return item;

@@ -8,11 +8,10 @@
 #include <utility>
 #include <vector>
 
+#include "daemon/health/sentence.h"
 #include "daemon/pipeline/sink.h"
 
 namespace lidard {
-
-enum class Health : std::uint8_t { ok, warn, error, stale };
 
 /// One status of /diagnostics. Keys as in REP 138 where it has one; `hardware_id` is the serial number (REP
 /// 107).
@@ -29,6 +28,11 @@ struct DiagnosticItem {
   void set(Health level, std::string sentence) {
     health = level;
     message = std::move(sentence);
+  }
+  /// With the level of a row of sentences.h.
+  template <const Sentence& sentence, class... Figures>
+  void set(const Figures&... figures) {
+    set(sentence.health, text<sentence>(figures...));
   }
   void add(std::string key, std::string value) { values.emplace_back(std::move(key), std::move(value)); }
   void add(std::string key, std::uint64_t number) { add(std::move(key), std::to_string(number)); }

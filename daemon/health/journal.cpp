@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "daemon/health/sentences.h"
+
 namespace lidard {
 namespace {
 
@@ -51,8 +53,7 @@ void Journal::add(Event event) {
   }
   if (event.count < most_logged) log_(event);
   if (event.count == most_logged)
-    log_({event.at, event.source, event.health,
-          event.text + " (changes to and fro; `lidard events` counts what follows)"});
+    log_({event.at, event.source, event.health, text<says::recurs>(event.text)});
   events_.push_back(std::move(event));
   if (events_.size() <= most_events) return;
   events_.pop_front();

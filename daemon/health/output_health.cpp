@@ -9,6 +9,8 @@
 #include <cmath>
 #include <utility>
 
+#include "daemon/health/sentences.h"
+
 namespace lidard {
 namespace {
 
@@ -29,18 +31,15 @@ void judge_output(const MakerStatus& status, Stamp now, DiagnosticItem& item) {
   const MakerCounters& counters = status.counters;
   const double age = seconds(now - counters.last_published);
   if (status.starting && counters.no_pose == 0 && (counters.published == 0 || age > counters.most_silence)) {
-    item.message = "waiting for input";
-  } else if (counters.published == 0) {
-    item.set(Health::error, counters.no_pose > 0 ? "no output: " + counters.why_no_pose
-                                                 : "no output: no input has come in yet");
-  } else if (age > counters.most_silence) {
-    item.set(Health::error,
-             counters.no_pose > 0
-                 ? "no output any more: " + counters.why_no_pose
-                 : fmt::format("no output for more than {:.0f} s: see the state of its sensors",
-                               counters.most_silence));
+    item.set<says::waiting_for_input>();
+  } else if (counters.published > 0 && age <= counters.most_silence) {
+    item.set<says::publishing>();
+  } else if (counters.no_pose > 0) {
+    counters.published == 0 ? item.set<says::no_output>(counters.why_no_pose)
+                            : item.set<says::no_output_any_more>(counters.why_no_pose);
   } else {
-    item.message = "publishing";
+    counters.published == 0 ? item.set<says::no_input>()
+                            : item.set<says::output_stopped>(counters.most_silence);
   }
   item.awaited = counters.published == 0;
   item.add("Published", counters.published);
@@ -51,8 +50,7 @@ void judge_output(const MakerStatus& status, Stamp now, DiagnosticItem& item) {
 std::string source_text(const SourceStatus& source) {
   const std::string state = to_string(source.state);
   if (source.state == SourceState::never) return state;
-  return state + fmt::format(", {:.1f} Hz, age {:.0f} ms", source.period_s > 0 ? 1 / source.period_s : 0,
-                             source.age_s * 1000);
+  return text<says::source_state>(state, source.period_s > 0 ? 1 / source.period_s : 0, source.age_s * 1000);
 }
 
 /// The names of the sources in that lasting state or, for `lost`, worse than stale.
@@ -65,15 +63,15 @@ std::string names_of(const MergeStatus& merge, bool stale) {
   return names;
 }
 
-/// The deadline that would wait for stale sources; empty: that of a source that follows another clock.
-std::string deadline_remedy(const MergeStatus& merge) {
+/// s; the deadline that would wait for stale sources; 0: none, since a source follows another clock.
+double better_deadline(const MergeStatus& merge) {
   constexpr double longest_said_s = 1, room_s = 0.02;
-  std::string remedy;
+  double deadline = 0;
   for (const SourceStatus& source : merge.sources) {
     if (source.lasting == SourceState::stale && source.late_s > 0 && source.late_s < longest_said_s)
-      remedy = fmt::format("; a deadline of {:.2f} waits for them", source.late_s + room_s);
+      deadline = source.late_s + room_s;
   }
-  return remedy;
+  return deadline;
 }
 
 void judge_sources(const MakerStatus& status, const MergeStatus& merge, DiagnosticItem& item) {
@@ -81,50 +79,52 @@ void judge_sources(const MakerStatus& status, const MergeStatus& merge, Diagnost
   const std::string stale = names_of(merge, true), lost = names_of(merge, false);
   item.add("Sources lost", lost);
   if (status.starting || item.health != Health::ok) return;
-  if (merge.apart > another_clock)
-    item.set(Health::warn, fmt::format("merges scans whose stamps are {:.0f} s apart; let all sources follow "
-                                       "one clock, a simulator's (/use_sim_time) or this computer's",
-                                       seconds(merge.apart)));
+  if (merge.apart > another_clock) item.set<says::clocks_apart>(seconds(merge.apart));
   if (lost.empty() && stale.empty()) return;
-  item.set(lost.empty() ? Health::warn : Health::error,
-           "publishing without " +
-               (lost.empty() ? stale + ", whose sweeps are too old" + deadline_remedy(merge) : lost));
   const auto is = [&](SourceState state) {
     return std::any_of(merge.sources.begin(), merge.sources.end(),
                        [&](const SourceStatus& source) { return source.lasting == state; });
   };
-  if (!is(SourceState::ok))
-    item.message = "no output, since no source delivers: see the state of its sensors";
   item.awaited = !is(SourceState::lost);
   const MakerCounters& counters = status.counters;
-  if (counters.no_pose > 0 && !counters.why_no_pose.empty()) item.message += ": " + counters.why_no_pose;
+  const std::string why = counters.no_pose > 0 ? counters.why_no_pose : std::string();
+  const double deadline = better_deadline(merge);
+  if (!is(SourceState::ok))
+    why.empty() ? item.set<says::no_source>() : item.set<says::no_source_because>(why);
+  else if (!lost.empty())
+    why.empty() ? item.set<says::sources_lost>(lost) : item.set<says::published_without>(lost, why);
+  else
+    deadline > 0 ? item.set<says::sources_late>(stale, deadline) : item.set<says::sources_old>(stale);
+  item.health = lost.empty() ? Health::warn : Health::error;
 }
 
 void judge_merge(const MakerStatus& status, const MergeStatus& merge, DiagnosticItem& item) {
   judge_sources(status, merge, item);
   if (merge.track != nullptr) {
     const auto has = [&](SourceUse use) { return std::count(merge.uses.begin(), merge.uses.end(), use) > 0; };
-    item.add("Motion", merge.track->empty()           ? "no poses yet"
-                       : has(SourceUse::static_poses) ? "not deskewed: poses of the sweeps' time are missing"
-                       : has(SourceUse::extrapolated) ? "deskewed, partly beyond the newest pose"
-                                                      : "deskewed");
+    item.add("Motion", merge.track->empty()           ? text<says::track_empty>()
+                       : has(SourceUse::static_poses) ? text<says::track_too_short>()
+                       : has(SourceUse::extrapolated) ? text<says::track_extrapolated>()
+                                                      : text<says::track_complete>());
     add_pose_gate(merge.gate, {}, item);
   }
   item.add("Sources waited for in vain", merge.deadlines_missed);
   if (const std::string trouble = pose_trouble(merge.gate);
       status.counters.published == 0 && !trouble.empty())
-    item.message = "no output: " + trouble;
+    item.message = text<says::no_output>(trouble);
 }
 
 /// What to add to the pose of the pair's second source, in the output frame; `sign` -1: to that of the first.
 std::string correction_of(const MountDifference& pair, double sign) {
   const auto part = [&](std::size_t i, const char* name, double scale, const char* unit) {
     const auto at = static_cast<Eigen::Index>(i);
-    return pair.determined[i] ? fmt::format("{} {:+.3f} {}", name, sign * scale * pair.correction[at], unit)
-                              : fmt::format("{} not determined by the surroundings", name);
+    return pair.determined[i] ? text<says::correction>(name, sign * scale * pair.correction[at], unit)
+                              : text<says::undetermined>(name);
   };
   return part(2, "yaw", deg_per_rad, "deg") + ", " + part(0, "x", 1, "m") + ", " + part(1, "y", 1, "m");
 }
+
+std::tm utc(Stamp stamp) { return fmt::gmtime(stamp.ns / 1'000'000'000); }
 
 void judge_mounts(const MergeStatus& merge, DiagnosticItem& item) {
   const auto wrong = merge.wrong_mount;
@@ -132,57 +132,39 @@ void judge_mounts(const MergeStatus& merge, DiagnosticItem& item) {
     const std::string& first = merge.sources[pair.first].name;
     const std::string& second = merge.sources[pair.second].name;
     const bool is_first = wrong == pair.first;
+    const std::string& its = is_first ? first : second;
     if (pair.is_astray && item.health == Health::ok)
-      item.set(
-          Health::warn,
-          fmt::format("{} sees nothing of what {} sees where their fields of view overlap; check the pose "
-                      "of {} (since {:%H:%M:%S} UTC; `lidard calibrate -c FILE CAPTURE` of the parked "
-                      "vehicle finds it)",
-                      is_first ? first : second, is_first ? second : first,
-                      wrong ? (is_first ? first : second) : "both",
-                      fmt::gmtime(pair.astray_since->ns / 1'000'000'000)));
+      item.set<says::nothing_in_common>(its, is_first ? second : first, wrong ? its : text<says::both>(),
+                                        utc(*pair.astray_since));
     if (pair.surfaces == 0) continue;
     item.add(fmt::format("Mount check {}/{}", first, second),
-             fmt::format("{} surfaces; mount of {}: {}; +- {:.1f} mm, {:.3f} deg", pair.surfaces, second,
-                         correction_of(pair, 1), 1000 * pair.sigma.head<2>().maxCoeff(),
-                         deg_per_rad * pair.sigma[2]));
-    if (!pair.is_wrong || item.health != Health::ok) continue;
-    item.set(Health::warn,
-             fmt::format(
-                 "{} and {} do not agree on where surfaces are; correct {} {} by {} (since {:%H:%M:%S} "
-                 "UTC; `lidard calibrate -c FILE CAPTURE` of the parked vehicle finds it)",
-                 first, second, wrong ? "the mount of" : "a mount, e.g. that of", is_first ? first : second,
-                 correction_of(pair, is_first ? -1 : 1), fmt::gmtime(pair.since->ns / 1'000'000'000)));
+             text<says::mount_check>(pair.surfaces, second, correction_of(pair, 1),
+                                     1000 * pair.sigma.head<2>().maxCoeff(), deg_per_rad * pair.sigma[2]));
+    if (pair.is_wrong && item.health == Health::ok)
+      item.set<says::mount_wrong>(first, second,
+                                  wrong ? text<says::the_mount>(its) : text<says::a_mount>(its),
+                                  correction_of(pair, is_first ? -1 : 1), utc(*pair.since));
   }
 }
 
 void judge_planes(const VirtualStatus& planes, DiagnosticItem& item) {
   for (std::size_t i = 0; i < planes.frames.size() && item.health == Health::ok; ++i) {
     if (!planes.why_unplaced[i].empty())
-      item.set(Health::warn, "publishing without " + planes.frames[i] + ": " + planes.why_unplaced[i]);
+      item.set<says::published_without>(planes.frames[i], planes.why_unplaced[i]);
   }
   if (planes.gate) add_pose_gate(*planes.gate, {}, item);
   if (item.health == Health::ok && !planes.why_no_surfaces.empty())
-    item.set(Health::warn,
-             "points alone, nothing is known to be free: of the cloud " + planes.why_no_surfaces);
+    item.set<says::points_alone>(planes.why_no_surfaces);
 }
 
 /// The fault, with the remedy; empty: none.
 std::string motion_trouble(const MotionStatus& status) {
-  if (!status.has_poses)
-    return "no pose of the vehicle yet, so scans are not deskewed; see that odometry is published";
-  if (status.clock_ahead) return clock_trouble("topic " + status.topic, *status.clock_ahead, false);
-  if (!status.data_live) return status.poses_live ? "" : "no pose of the vehicle any more";
-  if (status.data_ahead_s.value_or(0) > longest_lag_s)
-    return fmt::format(
-        "the newest pose of the vehicle is {:.1f} s older than the newest scan, which is not deskewed; does "
-        "odometry still come, and are its stamps of the same clock?",
-        *status.data_ahead_s);
-  if (status.poses_ahead_s.value_or(0) > longest_lag_s)
-    return fmt::format(
-        "the oldest pose of the vehicle is {:.1f} s newer than the newest scan, which is not deskewed; are "
-        "the stamps of both of the same clock?",
-        *status.poses_ahead_s);
+  if (!status.has_poses) return text<says::no_pose_yet>();
+  if (status.clock_ahead)
+    return clock_trouble(text<says::from_topic>(status.topic), *status.clock_ahead, false);
+  if (!status.data_live) return status.poses_live ? "" : text<says::no_pose_any_more>();
+  if (status.data_ahead_s.value_or(0) > longest_lag_s) return text<says::poses_late>(*status.data_ahead_s);
+  if (status.poses_ahead_s.value_or(0) > longest_lag_s) return text<says::poses_early>(*status.poses_ahead_s);
   return "";
 }
 
@@ -197,8 +179,7 @@ DiagnosticItem output_health(const MakerStatus& status, Stamp now) {
   }
   if (status.planes) judge_planes(*status.planes, item);
   if (item.health == Health::ok && status.counters.published > 0 && !status.is_wanted)
-    item.message =
-        "not built: nobody subscribes to " + status.topics.front() + ", and no virtual scan is made of it";
+    item.set<says::not_built>(status.topics.front());
   for (const auto& [name, count] : status.figures) item.add(name, count);
   return item;
 }
@@ -206,13 +187,16 @@ DiagnosticItem output_health(const MakerStatus& status, Stamp now) {
 DiagnosticItem motion_health(const MotionStatus& status) {
   DiagnosticItem item{"motion"};
   const std::string what = motion_trouble(status);
-  item.set(what.empty() ? Health::ok : Health::warn, what.empty() ? "poses come in" : what);
-  if (!what.empty() && !status.why_refused.empty()) item.message += ": " + status.why_refused;
+  const std::string why = status.lacks_speed ? text<says::no_speed>(status.speed_topic) : status.why_refused;
+  if (what.empty())
+    item.set<says::poses_come>();
+  else
+    item.set(Health::warn, why.empty() ? what : text<says::pose_refused>(what, why));
   item.add("Knots", status.knots);
   item.add("Jumps back", status.jumps_back);
   item.add("Not rigid", status.not_rigid);
   item.add("Frame not known", status.refused);
-  if (status.has_speed_topic) item.add("Turn rates without speed", status.without_speed);
+  if (!status.speed_topic.empty()) item.add("Turn rates without speed", status.without_speed);
   if (status.data_ahead_s) item.add("Scans ahead of poses (s)", std::to_string(*status.data_ahead_s));
   item.add("Stamps replaced", status.stamps_replaced);
   item.add("Out of order", status.out_of_order);
@@ -224,25 +208,23 @@ std::string pose_trouble(const PoseGate& gate, const std::string& frame) {
     case PoseGate::Newest::published:
       return {};
     case PoseGate::Newest::not_deskewed:
-      return "published as if the vehicle stood still: its poses at the time of measuring are missing; see "
-             "that odometry is published";
+      return text<says::as_if_it_stood>();
     case PoseGate::Newest::left_out:
-      return gate.why().empty() ? "on_missing_motion: drop, and poses of the vehicle are missing"
-                                : "not published in " + frame + ": " + gate.why();
+      return gate.why().empty() ? text<says::dropped_for_poses>()
+                                : text<says::not_in_frame>(frame, gate.why());
   }
   return {};
 }
 
 std::string pose_losses(const PoseGate& gate, const std::string& frame) {
-  std::string text;
-  for (const auto& [count, what] :
-       {std::pair(gate.left_out_count(), "not published"), {gate.not_deskewed_count(), "not deskewed"}}) {
-    if (count > 0)
-      text +=
-          fmt::format("{}{} {} {}", text.empty() ? "" : ", ", count, count == 1 ? "cloud" : "clouds", what);
-  }
+  const std::uint64_t left_out = gate.left_out_count(), standing = gate.not_deskewed_count();
+  const auto plural = [](std::uint64_t count) { return count == 1 ? "" : "s"; };
+  std::string losses;
+  if (left_out > 0) losses = text<says::clouds_left_out>(left_out, plural(left_out));
+  if (standing > 0)
+    losses += (losses.empty() ? "" : ", ") + text<says::clouds_not_deskewed>(standing, plural(standing));
   const std::string trouble = pose_trouble(gate, frame);
-  return text.empty() || trouble.empty() ? text : text + "; " + trouble;
+  return losses.empty() || trouble.empty() ? losses : losses + "; " + trouble;
 }
 
 void add_pose_gate(const PoseGate& gate, const std::string& frame, DiagnosticItem& item) {
@@ -254,11 +236,9 @@ void add_pose_gate(const PoseGate& gate, const std::string& frame, DiagnosticIte
 
 std::string clock_trouble(const std::string& source, Span ahead, bool has_offset) {
   const double s = seconds(ahead);
-  return fmt::format(
-      "the stamps of {} are {:.2f} s {} this computer's clock, so they are placed by their arrival; "
-      "synchronise the clocks of both computers (chrony){}; of a bag or a simulator, set /use_sim_time",
-      source, std::abs(s), s > 0 ? "ahead of" : "behind",
-      has_offset ? fmt::format(" or set time_offset: {:.3f}", -s) : "");
+  return text<says::stamps_replaced>(source, std::abs(s),
+                                     s > 0 ? text<says::ahead_of>() : text<says::behind>(),
+                                     has_offset ? text<says::or_offset>(-s) : "");
 }
 
 }  // namespace lidard

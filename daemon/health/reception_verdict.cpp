@@ -6,6 +6,8 @@
 
 #include <algorithm>
 
+#include "daemon/health/sentences.h"
+
 namespace lidard {
 namespace {
 
@@ -21,10 +23,11 @@ std::string percent(double part) { return fmt::format(part < 0.0995 ? "{:.1f} %"
 /// Collects faults; the worst one decides.
 class Findings {
  public:
-  void add(Health health, const std::string& figure, const char* remedy) {
-    if (!figure.empty()) verdict_.figures += (verdict_.figures.empty() ? "" : ", ") + figure;
+  template <const Sentence& sentence, class... Figures>
+  void add(Health health, const Figures&... figures) {
+    verdict_.figures += (verdict_.figures.empty() ? "" : ", ") + fact<sentence>(figures...);
     if (health == Health::ok) return;
-    if (verdict_.remedy.empty() || health > verdict_.health) verdict_.remedy = remedy;
+    if (verdict_.remedy.empty() || health > verdict_.health) verdict_.remedy = sentence.remedy;
     verdict_.health = std::max(verdict_.health, health);
   }
   ReceptionVerdict verdict() const { return verdict_.health == Health::ok ? ReceptionVerdict() : verdict_; }
@@ -37,12 +40,6 @@ Health level(double value, double warn, double error) {
   return value >= error ? Health::error : value >= warn ? Health::warn : Health::ok;
 }
 
-constexpr const char* check_network = "check the cable, the switch and the load of this computer";
-constexpr const char* check_path = "look for a proxy, a mirror port or a loop between sensor and computer";
-constexpr const char* check_sensor = "check the sensor's state and settings, and the load of this computer";
-constexpr const char* check_model = "is it the configured model, and the only one that sends here?";
-constexpr const char* check_window = "is its window covered? An empty field looks the same";
-
 bool has_rate(const Reception& r) { return r.expected > 0 && r.frames_s >= judged_after_s; }
 
 /// Share of missing frames, beyond the one that a window may miss.
@@ -50,38 +47,34 @@ double missing_frames(const Reception& r) {
   return has_rate(r) ? std::max(0.0, (r.expected - 1 - r.frames) / r.expected) : 0;
 }
 
-std::string rate_text(const Reception& r) {
-  return fmt::format("{:.1f} of {:.1f} frames/s", r.frames / r.frames_s, r.expected / r.frames_s);
-}
-
 void judge_frames(const Reception& r, FrameKind kind, Findings& findings) {
-  const double missing = missing_frames(r);
-  Health health = level(missing, 0.1, 0.5);
-  if (kind == FrameKind::scan && r.lost() >= 2) health = level(missing, 0.01, 0.05);
-  const bool loss = r.lost() >= 2;
-  if (has_rate(r) && (health != Health::ok || loss))
-    findings.add(health, rate_text(r), loss ? check_network : check_sensor);
+  if (!has_rate(r)) return;
+  const double missing = missing_frames(r), rate = r.frames / r.frames_s, expected = r.expected / r.frames_s;
+  if (r.lost() >= 2)
+    findings.add<says::frames_lost>(
+        kind == FrameKind::scan ? level(missing, 0.01, 0.05) : level(missing, 0.1, 0.5), rate, expected);
+  else if (const Health health = level(missing, 0.1, 0.5); health != Health::ok)
+    findings.add<says::frames_missing>(health, rate, expected);
 }
 
 void judge_losses(const Reception& r, FrameKind kind, Findings& findings) {
   const std::uint64_t lost = r.lost();
   if (lost < 2) return;
   const double part = share(lost, r.counters.packets + lost);
-  findings.add(level(part, 0.01, 0.05),
-               kind == FrameKind::cloud ? percent(part) + " of packets lost"
-                                        : fmt::format("{} packets or scans lost", lost),
-               check_network);
+  const Health health = level(part, 0.01, 0.05);
+  kind == FrameKind::cloud ? findings.add<says::packets_lost>(health, percent(part))
+                           : findings.add<says::scans_lost>(health, lost);
 }
 
 void judge_rejects(const Reception& r, Findings& findings) {
   const std::uint64_t repeated = r.counters.rejected[static_cast<std::size_t>(Reject::duplicate)];
   const double twice = share(repeated, r.counters.packets);
-  if (twice >= 0.1) findings.add(Health::warn, percent(twice) + " of packets came twice", check_path);
+  if (twice >= 0.1) findings.add<says::packets_twice>(Health::warn, percent(twice));
   const std::uint64_t rejected = r.counters.rejected_total() - repeated;
   const double part = share(rejected, r.counters.packets);
   const Health health = level(part, 0.01, 0.99);
   if (rejected >= 2 && health != Health::ok)
-    findings.add(health, percent(part) + " of packets rejected: " + rejected_text(r.counters), check_model);
+    findings.add<says::packets_rejected>(health, percent(part), rejected_text(r.counters));
 }
 
 void judge_beams(const Reception& r, FrameKind kind, Findings& findings) {
@@ -91,9 +84,9 @@ void judge_beams(const Reception& r, FrameKind kind, Findings& findings) {
   const double returned = share(cloud ? seen : r.returns, r.beams);
   const double blind = share(r.blind, cloud ? seen : r.beams);
   if (cloud ? returned < 0.01 : r.returns == 0 && blind < 0.95)
-    findings.add(Health::warn, percent(returned) + " of the beams with a return", check_window);
+    findings.add<says::no_returns>(Health::warn, percent(returned));
   else if (blind >= 0.95)
-    findings.add(Health::warn, percent(blind) + " of the beams blind (too near or invalid)", check_window);
+    findings.add<says::beams_blind>(Health::warn, percent(blind));
 }
 
 }  // namespace
@@ -102,10 +95,8 @@ ReceptionVerdict judge(const Reception& r, FrameKind kind) {
   Findings findings;
   const double patience = std::max(judged_after_s, 5 * r.period_s);
   if (r.counters.packets > 0 && r.without_frame_s >= patience) {
-    const std::string rate = r.period_s > 0 ? fmt::format("0 of {:.1f} frames/s, ", 1 / r.period_s) : "";
-    findings.add(Health::error,
-                 rate + fmt::format("no frame for {:.1f} s although packets come", r.without_frame_s),
-                 check_sensor);
+    r.period_s > 0 ? findings.add<says::no_frame_of>(Health::error, 1 / r.period_s, r.without_frame_s)
+                   : findings.add<says::no_frame>(Health::error, r.without_frame_s);
   } else {
     judge_frames(r, kind, findings);
   }
@@ -121,10 +112,7 @@ std::string rivals_text(const Reception& r, std::uint16_t port) {
   constexpr std::uint64_t astray = 20;
   if (r.sender_changes < astray || r.sender_changes * 100 < r.counters.packets) return {};
   const auto& [first, second] = std::minmax(r.senders[0], r.senders[1]);
-  return fmt::format(
-      "{0} and {1} both send to port {2}; one entry takes one sensor: set ip_address: {0} here, "
-      "and give each other sensor an entry of its own",
-      first.to_string(), second.to_string(), port);
+  return text<says::two_senders>(first.to_string(), second.to_string(), port);
 }
 
 std::string rejected_text(const Counters& counters) {

@@ -11,6 +11,7 @@
 
 #include "daemon/health/output_health.h"
 #include "daemon/health/reception_verdict.h"
+#include "daemon/health/sentences.h"
 
 namespace lidard {
 namespace {
@@ -57,8 +58,7 @@ std::string filter_text(const FilterCounters& counters) {
     removed += n;
     reasons += fmt::format("{}{} {}", reasons.empty() ? " (" : ", ", counter.words, n);
   }
-  return fmt::format("filter removed {} of {} returns{}", removed, counters.returns,
-                     reasons.empty() ? "" : reasons + ")");
+  return text<says::filter_counts>(removed, counters.returns, reasons.empty() ? "" : reasons + ")");
 }
 
 namespace {
@@ -66,12 +66,8 @@ namespace {
 std::string filter_trouble(const FilterStatus& filter) {
   constexpr std::uint64_t many_frames = 10;
   if (filter.counters.emptied_in_a_row >= many_frames)
-    return fmt::format(
-        "its filter removed every return of the last {} frames on {}; correct the limits below `filter`",
-        filter.counters.emptied_in_a_row, filter.topic);
-  if (filter.counters.has_no_intensities)
-    return "its filter has limits of intensity, but the device sends scans without intensities; switch them "
-           "on in the device, or take the limits out";
+    return text<says::filter_removes_all>(filter.counters.emptied_in_a_row, filter.topic);
+  if (filter.counters.has_no_intensities) return text<says::no_intensities>();
   return {};
 }
 
@@ -130,20 +126,18 @@ void print_verdicts(const std::vector<SensorStatus>& sensors, std::ostream& out)
     if (s.gate) print(Health::warn, pose_losses(*s.gate, sensor.points_frame));
     if (verdict.health != Health::ok)
       print(verdict.health,
-            fmt::format("{} in {:.1f} s; {}", verdict.figures, s.whole.watched_s, verdict.remedy));
+            text<says::too_little_in_all>(verdict.figures, s.whole.watched_s, verdict.remedy));
   }
 }
 
 std::string why_no_frame(const Model& model, const Counters& counters, Span span) {
   if (counters.packets > 0 && counters.rejected_total() >= counters.packets)
-    return "no packet could be used, rejected " + rejected_text(counters) + "; is it a " +
-           std::string(model.product) + "?";
-  const std::string data = fmt::format("{} packets in {:.3f} s, a whole one usually takes {} s",
-                                       counters.packets, seconds(span), model.frame_period);
+    return text<says::no_usable_packet>(rejected_text(counters), model.product);
   const double part = seconds(span) / model.frame_period;
-  if (part < 0.95) return fmt::format("only about {:.1f} of a frame: {}", part, data);
-  return fmt::format("no whole frame: {}; {} lost, {} frames cut off by begin, end or loss", data,
-                     counters.lost_packets, counters.partial_frames);
+  if (part < 0.95)
+    return text<says::part_of_a_frame>(part, counters.packets, seconds(span), model.frame_period);
+  return text<says::no_whole_frame>(counters.packets, seconds(span), model.frame_period,
+                                    counters.lost_packets, counters.partial_frames);
 }
 
 void print_outputs(const char* head, const std::vector<TopicReport>& outputs, std::ostream& out) {

@@ -10,6 +10,7 @@
 #include "daemon/health/output_health.h"
 #include "daemon/health/reception_verdict.h"
 #include "daemon/health/report.h"
+#include "daemon/health/sentences.h"
 #include "daemon/pipeline/sensor.h"
 
 namespace lidard {
@@ -20,10 +21,8 @@ constexpr double telemetry_silent_s = 1;
 /// A sender counts as active for this time.
 constexpr Span recent_sender = std::chrono::seconds(3);
 
-/// "10 s", or less shortly after the start.
-std::string window_text(const Reception& recent) {
-  return fmt::format("{:.0f} s", std::min(10.0, recent.watched_s));
-}
+/// s; less than 10 shortly after the start.
+double window_s(const Reception& recent) { return std::min(10.0, recent.watched_s); }
 
 /// All warnings of the device.
 std::string warnings_of(const SensorStatus& report) {
@@ -32,23 +31,21 @@ std::string warnings_of(const SensorStatus& report) {
   return text;
 }
 
-std::string why_nothing(const SensorStatus& report, const UnknownSenders& unknown, Stamp now) {
+/// That nothing comes, with the likeliest cause.
+std::string nothing_from(const SensorStatus& report, const UnknownSenders& unknown, Stamp now) {
   const SensorConfig& config = *report.config;
-  if (config.model == nullptr || !config.packet_topic.empty()) return "; is its driver running?";
+  const std::string source = where_from(config);
+  if (config.model == nullptr || !config.packet_topic.empty()) return text<says::nothing_from_driver>(source);
   // Packets from another address show that the network works.
   const bool datagrams = config.model->transport == Transport::udp;
   const std::string sender =
       datagrams ? unknown.sender_to(config.ip_port, now - recent_sender) : std::string();
-  if (!sender.empty()) return "; but there are packets from " + sender + ": correct ip_address?";
-  if (!report.connection_trouble.empty()) return ": " + report.connection_trouble;
-  if (config.model->transport == Transport::tcp) {
-    // A device that refuses reports the reason.
-    return report.info.warnings.empty() ? "; does the device measure?" : ": " + warnings_of(report);
-  }
-  // A failed dialogue explains missing datagrams.
-  if (!report.info.warnings.empty()) return ": " + warnings_of(report);
-  if (!report.connection_hint.empty()) return ": " + report.connection_hint;
-  return "; check the sensor's power, its destination address and port, and the firewall";
+  if (!sender.empty()) return text<says::nothing_but_others>(source, sender);
+  // A device that refuses reports the reason, and a failed dialogue explains missing datagrams.
+  std::string cause = report.connection_trouble.empty() ? warnings_of(report) : report.connection_trouble;
+  if (cause.empty() && datagrams) cause = report.connection_hint;
+  if (!cause.empty()) return text<says::nothing_because>(source, cause);
+  return datagrams ? text<says::nothing_received>(source) : text<says::nothing_measured>(source);
 }
 
 /// True in the first second after the start.
@@ -61,32 +58,26 @@ void judge_silence(const SensorStatus& report, const UnknownSenders& unknown, St
                    DiagnosticItem& item) {
   const SensorConfig& config = *report.config;
   if (may_still_come(report)) {
-    item.message = "waiting for data from " + where_from(config);
+    item.set<says::waiting_for_data>(where_from(config));
   } else if (report.last_telemetry && seconds(now - *report.last_telemetry) < telemetry_silent_s) {
-    item.set(Health::error, "no data, only telemetry on port " + std::to_string(config.telemetry_port) +
-                                "; check that its laser and motor are on and that it sends data to port " +
-                                std::to_string(config.ip_port));
+    item.set<says::only_telemetry>(config.telemetry_port, config.ip_port);
   } else if (!report.seen) {
-    item.set(Health::error,
-             "nothing received from " + where_from(config) + why_nothing(report, unknown, now));
+    item.set(Health::error, nothing_from(report, unknown, now));
   } else {
-    item.set(silence_of(report.last_arrival, report.recent.period_s, now) == SilenceLevel::lasting
-                 ? Health::error
-                 : Health::warn,
-             "silent: nothing received from " + where_from(config) + why_nothing(report, unknown, now));
+    item.set<says::silent>(nothing_from(report, unknown, now));
+    if (silence_of(report.last_arrival, report.recent.period_s, now) == SilenceLevel::lasting)
+      item.health = Health::error;
   }
 }
 
 /// True if at least 99 % of the packets were rejected.
 bool is_all_refused(const Counters& c) { return c.packets > 0 && c.rejected_total() * 100 >= c.packets * 99; }
 
-/// "this is a VLP-32C, not a VLP-16; set model: velodyne_vlp32c". Products with equal packets are named
-/// together.
-std::string other_model_text(const Model& expected, const std::vector<const Model*>& found) {
+/// Products with equal packets are named together.
+std::string names_of(const std::vector<const Model*>& models) {
   std::string names;
-  for (const Model* model : found) names += (names.empty() ? "" : " or ") + std::string(model->product);
-  return "this is a " + names + ", not a " + std::string(expected.product) +
-         "; set model: " + std::string(found.front()->name);
+  for (const Model* model : models) names += (names.empty() ? "" : " or ") + std::string(model->product);
+  return names;
 }
 
 /// Judges the amount of data.
@@ -95,34 +86,38 @@ void judge_data(const SensorStatus& report, DiagnosticItem& item) {
   const Counters& c = report.counters;
   const FrameKind kind = config.model != nullptr ? config.model->kind : FrameKind::scan;
   const ReceptionVerdict verdict = lidard::judge(report.recent, kind);
-  const Health says =
+  const Health level =
       report.info.has_fault ? Health::error : Health::warn;  // what the device's warnings mean
   if (std::string rivals = rivals_text(report.recent, config.ip_port); !rivals.empty()) {
     item.set(Health::error, std::move(rivals));
   } else if (!report.rivals.empty()) {
-    const bool are_serials = config.model->transport == Transport::tcp;
-    item.set(Health::error, two_devices_text(report.address.to_string(),
-                                             (are_serials ? "serial numbers " : "") + report.rivals));
+    item.set<says::two_devices>(report.address.to_string(), config.model->transport == Transport::tcp
+                                                                ? text<says::serial_numbers>(report.rivals)
+                                                                : report.rivals);
   } else if (!report.other_models.empty() && is_all_refused(report.recent.counters)) {
-    item.set(Health::error, other_model_text(*config.model, report.other_models));
+    item.set<says::other_model>(names_of(report.other_models), config.model->product,
+                                report.other_models.front()->name);
   } else if (c.packets > 0 && c.rejected_total() == c.packets) {
-    item.set(Health::error,
-             "no packet could be used: rejected " + rejected_text(c) + "; is it the configured model?");
+    config.model != nullptr
+        ? item.set<says::no_usable_packet>(rejected_text(c), config.model->product)
+        : item.set(Health::error, text<says::unusable_messages>(rejected_text(c), config.topic));
   } else if (report.clock_ahead && verdict.health != Health::error) {
     item.set(Health::warn, clock_trouble(where_from(config), *report.clock_ahead, true));
   } else if (verdict.health != Health::ok) {
     item.set(verdict.health,
-             verdict.figures + " in the last " + window_text(report.recent) + "; " + verdict.remedy);
-    if (!report.info.warnings.empty()) item.message += ". The device says: " + warnings_of(report);
-    item.health = std::max(item.health, says);
+             text<says::too_little>(verdict.figures, window_s(report.recent), verdict.remedy));
+    if (!report.info.warnings.empty()) {
+      item.message = text<says::device_says>(item.message, warnings_of(report));
+      item.health = std::max(item.health, level);
+    }
   } else if (!report.info.warnings.empty()) {
-    item.set(says, warnings_of(report));
+    item.set(level, warnings_of(report));
   } else if (std::string filter = filter_trouble(report.filters); !filter.empty()) {
     item.set(Health::warn, std::move(filter));
   } else if (config.model != nullptr && c.frames == 0) {
     item.message = why_no_frame(*config.model, c, span_from_seconds(report.whole.watched_s));
   } else {
-    item.message = "receiving";
+    item.set<says::receiving>();
   }
 }
 
@@ -148,12 +143,12 @@ void add_rates(const Reception& recent, DiagnosticItem& item) {
 }  // namespace
 
 std::string where_from(const SensorConfig& config) {
-  if (config.model == nullptr) return "topic " + config.topic;
+  if (config.model == nullptr) return text<says::from_topic>(config.topic);
   if (config.model->transport == Transport::tcp)
     return Endpoint{config.ip_address.value_or(IpAddress()), config.ip_port}.to_string();
-  if (!config.packet_topic.empty()) return "topic " + config.packet_topic;
-  return (config.ip_address ? config.ip_address->to_string() : "any sender") + " to port " +
-         std::to_string(config.ip_port);
+  if (!config.packet_topic.empty()) return text<says::from_topic>(config.packet_topic);
+  return config.ip_address ? text<says::from_address>(config.ip_address->to_string(), config.ip_port)
+                           : text<says::from_any>(config.ip_port);
 }
 
 DiagnosticItem sensor_health(const SensorStatus& report, const UnknownSenders& unknown, Stamp now) {
@@ -182,10 +177,6 @@ DiagnosticItem sensor_health(const SensorStatus& report, const UnknownSenders& u
   return item;
 }
 
-std::string two_devices_text(const std::string& address, const std::string& who) {
-  return "two devices have the address " + address + " (" + who + "); give one of them another IP address";
-}
-
 DiagnosticItem settings_item(const std::string& sensor, const SettingsStatus& status) {
   using Level = SettingsStatus::Level;
   DiagnosticItem item{"sensor " + sensor + " control", status.serial.empty() ? sensor : status.serial};
@@ -199,11 +190,8 @@ DiagnosticItem settings_item(const std::string& sensor, const SettingsStatus& st
 
 DiagnosticItem unknown_senders_item(const std::vector<std::string>& senders) {
   DiagnosticItem item{"unknown senders", "none"};
-  item.set(Health::warn,
-           senders.front() +
-               (senders.size() > 1 ? " and others send to a port of ours but belong to no sensor; add them"
-                                   : " sends to a port of ours but belongs to no sensor; add it") +
-               " to the configuration, or correct an ip_address");
+  senders.size() > 1 ? item.set<says::unknown_senders>(senders.front())
+                     : item.set<says::unknown_sender>(senders.front());
   for (std::size_t i = 0; i < senders.size(); ++i) item.add("Sender " + std::to_string(i + 1), senders[i]);
   return item;
 }

@@ -19,9 +19,6 @@ DiagnosticItem settings_item(const std::string& sensor, const SettingsStatus& st
 /// The item on senders to configured ports that belong to no sensor; at least one.
 DiagnosticItem unknown_senders_item(const std::vector<std::string>& senders);
 
-/// The sentence on two devices with one address; `who`: what shows it.
-std::string two_devices_text(const std::string& address, const std::string& who);
-
 /// The configured source of a sensor's data: "192.168.1.201 to port 2368", "topic /rear/scan".
 std::string where_from(const SensorConfig& config);
 

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "daemon/health/sentences.h"
+
 namespace lidard {
 namespace {
 
@@ -13,11 +15,7 @@ std::string ms(Span span) { return fmt::format("{:.1f}", 1e3 * seconds(span)); }
 
 DiagnosticItem topic_health(const std::string& topic, const TopicFigures& f) {
   DiagnosticItem item{"topic " + topic};
-  item.message = "publishing";
-  if (f.loses)
-    item.set(Health::warn, "a subscriber of " + topic +
-                               " is too slow and loses messages; `rosnode info` names the subscribers, "
-                               "`rostopic bw` the load");
+  f.loses ? item.set<says::slow_subscriber>(topic) : item.set<says::publishing>();
   item.values = {{"Messages/s", fmt::format("{:.1f}", f.rate_hz)},
                  {"Shortest gap of the last 10 s (ms)", ms(f.shortest_gap)},
                  {"Longest gap of the last 10 s (ms)", ms(f.longest_gap)},

@@ -19,6 +19,7 @@
 #include <system_error>
 #include <thread>
 
+#include "daemon/health/sentences.h"
 #include "drivers/capture/pcap_writer.h"
 
 namespace lidard {
@@ -255,16 +256,13 @@ void BlackBox::collect() {
   if (writing_->thread.joinable()) writing_->thread.join();
   const std::unique_ptr<Writing> written = std::move(writing_);
   const bool good = written->trouble.empty();
-  trouble_ = good ? "" : "the black box cannot be written: " + written->trouble;
+  trouble_ = good ? "" : text<says::box_not_written>(written->trouble);
   std::string sentence = trouble_;
   if (good) {
-    sentence = fmt::format("the last {:.1f} s are in {}", seconds(written->last - written->first),
-                           written->path.string());
-    if (written->left_out > 0)
-      sentence += fmt::format(
-          "; {} errors before that are in no capture, since one a minute is written; set "
-          "blackbox.seconds to 60 for captures without gaps",
-          written->left_out);
+    const double length = seconds(written->last - written->first);
+    sentence = written->left_out == 0
+                   ? text<says::box_written>(length, written->path.string())
+                   : text<says::box_written_with_gaps>(length, written->path.string(), written->left_out);
     if (!written->kinds.empty()) firsts_.push_back(written->path);
     kinds_.merge(written->kinds);
   }
@@ -272,18 +270,13 @@ void BlackBox::collect() {
   for (const Answer& answer : written->asked) answer(good ? written->path.string() : "error: " + trouble_);
 }
 
-std::string BlackBox::used_up() const {
-  return fmt::format(
-      "errors started {} captures within a day, so no further one is written; mend what fails "
-      "again and again, or raise blackbox.per_day; `lidard dump` writes one",
-      of_day_);
-}
+std::string BlackBox::used_up() const { return text<says::box_used_up>(of_day_); }
 
 std::optional<DiagnosticItem> BlackBox::item() const {
   if (!is_on()) return std::nullopt;
   DiagnosticItem item{"black box"};
   item.logged = true;
-  item.message = "keeps the newest packets";
+  item.set<says::keeps_packets>();
   if (is_used_up_) item.set(Health::warn, used_up());
   if (!trouble_.empty()) item.set(Health::warn, trouble_);
   item.add("Captures within a day", std::to_string(of_day_));

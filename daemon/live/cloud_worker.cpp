@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "daemon/health/sentences.h"
 #include "daemon/live/thread_priority.h"
 #include "daemon/live/wait_until.h"
 
@@ -96,9 +97,8 @@ void CloudWorker::add_items(std::vector<DiagnosticItem>& items) const {
   DiagnosticItem item{"virtual scans to merge"};
   constexpr Span news = std::chrono::seconds(10);
   item.add("Scans dropped", dropped_.load());
-  item.message = "all are handed over";
-  if (dropped_ > 0 && clock_.now() - dropped_at_.load() < news)
-    item.set(Health::warn, "scans were dropped, since this computer is too busy to merge them; see `top`");
+  dropped_ > 0 && clock_.now() - dropped_at_.load() < news ? item.set<says::scans_dropped>()
+                                                           : item.set<says::all_handed_over>();
   items.push_back(std::move(item));
 }
 

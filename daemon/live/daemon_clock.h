@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/base/host_clock.h"
+#include "daemon/health/sentences.h"
 #include "daemon/pipeline/log.h"
 #include "daemon/pipeline/sink.h"
 #include "drivers/driver.h"
@@ -44,16 +45,11 @@ class DaemonClock {
     const Stamp now = clock_.steady(read());
     DiagnosticItem item{"clock"};
     item.logged = true;
-    item.message = "the host's clock runs evenly";
+    item.set<says::clock_even>();
     item.values = {{"Steps", std::to_string(clock_.steps())},
                    {"Sum of Steps (s)", fmt::format("{:.3f}", seconds(clock_.step()))}};
     constexpr Span news = std::chrono::seconds(10);
-    if (clock_.steps() > 0 && now - set_at_ < news)
-      item.set(
-          Health::warn,
-          fmt::format("the host's clock was set by {:+.3f} s; keep it with chrony or ntpd, which turn its "
-                      "rate instead",
-                      seconds(last_step_)));
+    if (clock_.steps() > 0 && now - set_at_ < news) item.set<says::clock_set>(seconds(last_step_));
     return item;
   }
 

@@ -2,11 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/live/host_causes.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 
-#include "daemon/health/sensor_health.h"
+#include "daemon/health/sentences.h"
 #include "drivers/model.h"
 
 namespace lidard {
@@ -52,9 +50,11 @@ std::string no_address(const IpAddress& sensor, const HostNetwork& network, bool
   for (const HostInterface& each : network.interfaces) {
     if (!each.loopback && each.prefix > 0) known += (known.empty() ? "" : ", ") + each.to_string();
   }
-  return "no interface of this host has an address in the network of " + sensor.to_string() + " (there is " +
-         (known.empty() ? "none" : known) + "); " + (has_route ? "unless a router leads there, " : "") +
-         "add one: `ip address add " + address_beside(sensor) + " dev " + likely_interface(network) + "`";
+  if (known.empty()) known = text<says::none>();
+  return has_route ? text<says::no_address_nor_router>(sensor.to_string(), known, address_beside(sensor),
+                                                       likely_interface(network))
+                   : text<says::no_address>(sensor.to_string(), known, address_beside(sensor),
+                                            likely_interface(network));
 }
 
 double rate(std::uint64_t before, std::uint64_t now, double time_s) {
@@ -76,19 +76,13 @@ std::string host_trouble(const SensorConfig& sensor, const HostNetwork& network,
   if (is_well) return {};
   if (interfaces.empty()) return sensor.ip_address ? no_address(*sensor.ip_address, network, has_route) : "";
   const HostInterface& first = *interfaces.front();
-  if (!first.up)
-    return first.to_string() + " is switched off; switch it on: `ip link set " + first.name + " up`";
-  return first.to_string() + " has no link; check the cable, the switch and the sensor's power";
+  return first.up ? text<says::no_link>(first.to_string())
+                  : text<says::interface_off>(first.to_string(), first.name);
 }
 
 std::string path_filter_hint(const HostCounts& counts) {
   const double dropped = rate(counts.before.dropped_by_path, counts.now.dropped_by_path, counts.time_s);
-  if (dropped < 1) return {};
-  return fmt::format(
-      "the reverse path filter of this host drops {:.0f} packets/s: they come in at an interface that does "
-      "not lead back to their sender; give that interface an address in the sensor's network, or run `sysctl "
-      "-w net.ipv4.conf.all.rp_filter=0 net.ipv4.conf.INTERFACE.rp_filter=0`",
-      dropped);
+  return dropped < 1 ? "" : text<says::path_filter>(dropped);
 }
 
 std::string host_hint(const SensorConfig& sensor, const HostCounts& counts) {
@@ -99,35 +93,20 @@ std::string host_hint(const SensorConfig& sensor, const HostCounts& counts) {
   const double enough = std::max(2.0, 0.1 * sensor.model->packets_per_s);
   const std::string who = sensor.ip_address ? sensor.ip_address->to_string() : "the sensor";
   const double unheard = rate(counts.before.without_port, counts.now.without_port, counts.time_s);
-  if (unheard >= enough)
-    return fmt::format(
-        "{:.0f} datagrams/s come to ports of this host where nobody listens; does the sensor send to another "
-        "port than {}? `tcpdump -ni any udp and src host {}` shows it",
-        unheard, sensor.ip_port, who);
+  if (unheard >= enough) return text<says::another_port>(unheard, sensor.ip_port, who);
   const double foreign = rate(counts.before.for_others, counts.now.for_others, counts.time_s);
-  if (foreign >= enough)
-    return fmt::format(
-        "{:.0f} packets/s come in for an address that this host does not have; does the sensor send "
-        "elsewhere? `tcpdump -ni any udp and src host {}` shows where to; set its destination to an address "
-        "of this host",
-        foreign, who);
+  if (foreign >= enough) return text<says::another_address>(foreign, who);
   const auto interfaces = interfaces_of(sensor, counts.now);
   const auto earlier = interfaces_of(sensor, counts.before);
   if (interfaces.size() != 1 || earlier.size() != 1 || interfaces[0]->loopback) return {};
   const HostInterface& in = *interfaces[0];
   double came = rate(0, in.packets - earlier[0]->packets, counts.time_s);
-  if (came < 2)
-    return "next to nothing comes in at " + in.to_string() +
-           "; check the sensor's power, cable and destination address";
+  if (came < 2) return text<says::interface_silent>(in.to_string());
   // Those of other sensors are delivered.
   if (const double undelivered = rate(counts.before.undelivered, counts.now.undelivered, counts.time_s);
       counts.others_talk || undelivered >= enough)
     came = undelivered;
-  if (came < enough) return {};
-  return fmt::format(
-      "{:.0f} packets/s come in at {}, but none from {} to port {}; does it send elsewhere, or does a "
-      "firewall drop them? Compare `tcpdump -ni {} src host {}` with `nft list ruleset`",
-      came, in.to_string(), who, sensor.ip_port, in.name, who);
+  return came < enough ? "" : text<says::only_others>(came, in.to_string(), who, sensor.ip_port, in.name);
 }
 
 HostCauses::HostCauses(const Config& config, const UdpPorts& ports) : ports_(ports) { configure(config); }
@@ -160,9 +139,8 @@ void HostCauses::add_diagnostics(std::vector<DiagnosticItem>& items) const {
   for (const auto& [address, watch] : addresses_) {
     const std::string rivals = watch.both(since_start(Clock::now()));
     if (rivals.empty()) continue;
-    const std::string text = address.to_string();
-    DiagnosticItem item{"address " + text, text};
-    item.set(Health::error, two_devices_text(text, "hardware addresses " + rivals));
+    DiagnosticItem item{"address " + address.to_string(), address.to_string()};
+    item.set<says::two_devices>(address.to_string(), text<says::hardware_addresses>(rivals));
     items.push_back(std::move(item));
   }
 }
@@ -196,10 +174,10 @@ std::string HostCauses::trouble(std::size_t sensor) {
   // The state of the connection is more specific for a device behind a router.
   const bool is_remote = has_route && config.model->transport == Transport::tcp;
   if (is_remote && interfaces_of(config, now_->network).empty()) return {};
-  std::string text = host_trouble(config, now_->network, has_route);
+  std::string fault = host_trouble(config, now_->network, has_route);
   const auto counted = counts();
-  const std::string dropped = counted && !text.empty() ? path_filter_hint(*counted) : std::string();
-  return dropped.empty() ? text : text + ". Besides, " + dropped;
+  const std::string dropped = counted && !fault.empty() ? path_filter_hint(*counted) : std::string();
+  return dropped.empty() ? fault : text<says::besides>(fault, dropped);
 }
 
 /// A hint stays for some seconds without its cause: rates of a second vary.
@@ -208,9 +186,9 @@ std::string HostCauses::hint(std::size_t sensor) {
   constexpr auto lasts = std::chrono::seconds(5);
   const auto counted = counts();
   std::string now = counted ? host_hint(sensors_.at(sensor), *counted) : std::string();
-  auto& [text, at] = hints_[sensor];
-  if (!now.empty() || now_->at - at > lasts) text = std::move(now), at = now_->at;
-  return text;
+  auto& [hint, at] = hints_[sensor];
+  if (!now.empty() || now_->at - at > lasts) hint = std::move(now), at = now_->at;
+  return hint;
 }
 
 }  // namespace lidard

@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "daemon/health/reception_verdict.h"
+#include "daemon/health/sentences.h"
 #include "daemon/pipeline/log.h"
 
 namespace lidard {
@@ -150,12 +151,9 @@ void SensorLoop::schedule_tick() {
 
 DiagnosticItem SensorLoop::load_item() const {
   DiagnosticItem item{"computer"};
-  item.message = "reads what comes in time";
-  if (stalled_at_ && std::chrono::steady_clock::now() - *stalled_at_ < std::chrono::seconds(10))
-    item.set(Health::warn,
-             fmt::format("this computer is too busy: {:.1f} s passed before what came was read, "
-                         "so outputs were late; see `top`",
-                         stalled_s_));
+  const bool stalled =
+      stalled_at_ && std::chrono::steady_clock::now() - *stalled_at_ < std::chrono::seconds(10);
+  stalled ? item.set<says::too_busy>(stalled_s_) : item.set<says::read_in_time>();
   return item;
 }
 

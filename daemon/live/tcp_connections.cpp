@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "daemon/health/sentences.h"
 #include "daemon/pipeline/log.h"
 
 namespace lidard {
@@ -16,9 +17,10 @@ constexpr Span longest_silence = std::chrono::seconds(12);
 bool is_connected(const TcpState& state) { return state.phase == TcpState::Phase::connected; }
 
 std::string text_of(const TcpState& state, bool streams) {
-  if (is_connected(state)) return "connected";
+  if (is_connected(state)) return text<says::connected>();
   if (!state.message.empty()) return state.message;
-  if (state.phase == TcpState::Phase::stopped) return streams ? "stopped" : "not needed now";
+  if (state.phase == TcpState::Phase::stopped)
+    return streams ? text<says::stopped>() : text<says::not_needed>();
   return first_attempt;
 }
 
@@ -137,10 +139,8 @@ void TcpConnections::disconnect(std::size_t sensor, bool again) {
   Connection* connection = find(sensor);
   if (connection == nullptr || !connection->source) return;
   // A device that streams over TCP needs its connection.
-  connection->source->disconnect(
-      again || connection->streams,
-      "the dialogue with " + connection->device.to_string() +
-          " could not go on; it is begun again, the sensor's diagnostics say more");
+  connection->source->disconnect(again || connection->streams,
+                                 text<says::dialogue_failed>(connection->device.to_string()));
 }
 
 std::string TcpConnections::trouble(std::size_t sensor) const {

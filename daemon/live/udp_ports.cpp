@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "daemon/config/config.h"
+#include "daemon/health/sentences.h"
 #include "daemon/pipeline/log.h"
 
 namespace lidard {
@@ -121,15 +122,13 @@ void UdpPorts::add_diagnostics(std::vector<DiagnosticItem>& items) const {
                   : receives(state)                         ? Health::warn
                                                             : Health::error;
     item.is_up = receives(state);
-    item.message = state.message.empty() ? "listening" : state.message;
+    item.message = state.message.empty() ? text<says::listening>() : state.message;
     if (item.health == Health::ok && !port.source->warning().empty()) {
       item.set(Health::warn, port.source->warning());
     }
     constexpr auto news = std::chrono::seconds(10);
     if (stats.kernel_drops > 0 && std::chrono::steady_clock::now() - port.dropped_at < news)
-      item.set(Health::warn,
-               "packets were lost in the kernel's receive buffer in the last 10 s: this computer was too "
-               "busy to fetch them; see `top`, and raise net.core.rmem_max");
+      item.set<says::lost_in_kernel>();
     item.add("Datagrams", stats.datagrams);
     item.add("Kernel drops", stats.kernel_drops);
     item.add("Truncated", stats.truncated);

@@ -62,8 +62,9 @@ struct SensorStatus {
 /// The motion of the vehicle.
 struct MotionStatus {
   bool has_poses = false;
-  std::string topic;  ///< of poses or of turn rates; empty: tf
-  bool has_speed_topic = false;
+  std::string topic;                ///< of poses or of turn rates; empty: tf
+  std::string speed_topic;          ///< empty: none
+  bool lacks_speed = false;         ///< the newest turn rate came without a speed
   std::optional<Span> clock_ahead;  ///< by which stamps of the topic, another clock's, are ahead
   bool data_live = false;           ///< sensors deliver
   bool poses_live = false;

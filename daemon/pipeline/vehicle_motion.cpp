@@ -57,9 +57,9 @@ void VehicleMotion::add_speed(double speed, Stamp now) {
 }
 
 void VehicleMotion::add_turn(Stamp stamp, const Eigen::Vector3d& rates, const std::string& frame, Stamp now) {
-  if (!speed_at_ || std::abs(seconds(now - *speed_at_)) > std::max(speed_lives_s_, longest_lag_s)) {
+  lacks_speed_ = !speed_at_ || std::abs(seconds(now - *speed_at_)) > std::max(speed_lives_s_, longest_lag_s);
+  if (lacks_speed_) {
     ++without_speed_;
-    why_refused_ = "no speed comes on " + vehicle_.speed_topic;
     return;
   }
   if (const auto base_from_imu = place(vehicle_.base_frame, frame, stamp))
@@ -77,7 +77,7 @@ std::optional<MotionStatus> VehicleMotion::status(Stamp now) const {
   MotionStatus status;
   status.has_poses = !track_.empty();
   status.topic = vehicle_.odometry_topic.empty() ? vehicle_.imu_topic : vehicle_.odometry_topic;
-  status.has_speed_topic = !vehicle_.speed_topic.empty();
+  status.speed_topic = vehicle_.speed_topic;
   status.clock_ahead = topic_clock_.ahead();
   status.data_live = data_ && seconds(now - data_->arrival) < data_live_s;
   status.poses_live = pose_ && seconds(now - pose_->arrival) < longest_lag_s;
@@ -85,6 +85,7 @@ std::optional<MotionStatus> VehicleMotion::status(Stamp now) const {
     status.data_ahead_s = seconds(data_->stamp - track_.newest());
     status.poses_ahead_s = seconds(track_.oldest() - data_->stamp);
   }
+  status.lacks_speed = lacks_speed_;
   status.why_refused = why_refused_;
   status.knots = track_.size();
   status.jumps_back = track_.restarts();

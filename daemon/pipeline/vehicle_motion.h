@@ -41,6 +41,7 @@ class VehicleMotion {
     track_.clear();
     speed_at_.reset();
     why_refused_.clear();
+    lacks_speed_ = false;
   }
   const FrameTree& frames() const { return frames_; }
   const std::string& base_frame() const { return vehicle_.base_frame; }
@@ -70,6 +71,7 @@ class VehicleMotion {
   std::uint64_t refused_ = 0;        // poses of frames with unknown place on the vehicle
   std::uint64_t without_speed_ = 0;  // turn rates
   std::string why_refused_;
+  bool lacks_speed_ = false;  // the newest turn rate came without a speed
 };
 
 }  // namespace lidard

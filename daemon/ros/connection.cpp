@@ -12,6 +12,7 @@
 
 #include <algorithm>
 
+#include "daemon/health/sentences.h"
 #include "daemon/live/thread_priority.h"
 #include "daemon/pipeline/log.h"
 #include "daemon/ros/master/master_client.h"
@@ -32,8 +33,6 @@ constexpr auto news_of_a_stop = std::chrono::seconds(60);
 constexpr auto longest_round = std::chrono::seconds(2);
 /// Advertising all topics may last so long with a busy master.
 constexpr auto longest_call = std::chrono::seconds(5);
-
-constexpr const char* free_threads = "raise the limit of threads (TasksMax= of the unit, `ulimit -u`)";
 
 /// Returns the name of the node.
 std::string initialised(const RosOptions& options) {
@@ -142,26 +141,21 @@ void RosConnection::judge_own_status(DiagnosticItem& item) const {
   const Span stands = std::min<Span>(awake, watch_.since_tick(ThreadWatch::publishing));
   const Span calls = std::min<Span>(awake, watch_.since_tick(ThreadWatch::master));
   if (stands > longest_round) {
-    item.set(Health::error,
-             fmt::format("the thread that publishes has stood still for {:.1f} s", seconds(stands)));
+    item.set<says::publisher_hangs>(seconds(stands));
   } else if (calls > longest_call) {
-    item.set(Health::error, fmt::format("the thread that talks to the ROS master has stood still for {:.1f} "
-                                        "s; check roscore",
-                                        seconds(calls)));
+    item.set<says::master_call_hangs>(seconds(calls));
   } else if (name_.lacks_files()) {
-    item.set(
-        Health::error,
-        "ROS cannot start: too many files are open; raise the limit (LimitNOFILE= of the unit, `ulimit -n`)");
+    item.set<says::too_many_files>();
   } else if (!master_asked_) {
-    item.message = "asking the master";
+    item.set<says::master_asked>();
   } else if (!master_present_) {
-    item.set(Health::warn, "the master does not answer; check roscore");
+    item.set<says::master_silent>();
   } else if (lacks_threads_) {
-    item.set(Health::error, std::string("ROS cannot start without a free thread; ") + free_threads);
+    item.set<says::no_thread>();
   } else if (foreign_stops_ > 0 && Clock::now() - last_foreign_stop_.load() < news_of_a_stop) {
-    item.set(Health::warn, "shut down from outside; look for a node of the same name");
+    item.set<says::shut_down>();
   } else {
-    item.message = "publishing";
+    item.set<says::publishing>();
   }
 }
 
@@ -276,7 +270,7 @@ bool RosConnection::start_ros() {
     callbacks_ = std::make_unique<RosCallbackThread>(watch_);
   } catch (const std::runtime_error& error) {  // of std::thread or boost::thread
     name_this_thread("lidard-master");
-    if (!lacks_threads_.exchange(true)) log_error("ROS cannot start: {}; {}", error.what(), free_threads);
+    if (!lacks_threads_.exchange(true)) log_error("{}: {}", text<says::no_thread>(), error.what());
     ros::shutdown();
     return false;
   }
@@ -344,9 +338,7 @@ std::vector<DiagnosticItem> RosConnection::aged_items(const Newest& newest) cons
   std::vector<DiagnosticItem> items = newest.items;
   const Span age = Clock::now() - std::max(newest.at, awake_since_.load());
   if (!options_.longest_report_age || age <= *options_.longest_report_age) return items;
-  for (DiagnosticItem& item : items)
-    item.set(Health::error,
-             fmt::format("no report from the sensor thread for {:.1f} s: {}", seconds(age), item.message));
+  for (DiagnosticItem& item : items) item.set<says::no_report>(seconds(age), std::string(item.message));
   return items;
 }
 

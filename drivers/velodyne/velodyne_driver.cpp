@@ -36,7 +36,10 @@ class VelodyneDriver final : public DriverBase {
         frames_(config_, row_, counters_),
         clock_(config.clock),
         telemetry_(config) {
-    if (row_.bank_by_bank && config.calibration == nullptr) info_.warnings.emplace_back(no_calibration);
+    if (row_.bank_by_bank && config.calibration == nullptr) {
+      info_.warnings.emplace_back(no_calibration);
+      info_.from_configuration = 1;
+    }
     if (config.control) web_.emplace(*web_control(config));
   }
 

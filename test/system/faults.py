@@ -33,18 +33,19 @@ CABLE = [
     Fault("broken", "packets are corrupted", "sensor broken", "WARN", "of packets rejected", 4),
     Fault("stranger", "a sender that is not configured", "unknown senders", "WARN", "192.168.1.66 -> port 2368", 2),
     Fault("elsewhere", "the lidar sends to another port", "sensor elsewhere", "ERROR", "does the sensor send to another port than 2412", 6),
-    Fault("stopped", "the host does not fetch the packets", "port 2368", "WARN", "packets were lost in the kernel's receive buffer", 2),
+    Fault("stopped", "the host does not fetch the packets", "port 2368", "WARN", "packets were lost in the kernel's receive buffer in the last 10 s: this computer was too busy to fetch them", 2),
+    Fault("stopped", "the same for all sensors", "computer", "WARN", "s passed before what came was read, so outputs were late", 2),
 ]
 MIDDLEWARE = [
     Fault("wrong_type", "a source has another type", "odd input", "ERROR", "topic /odd carries sensor_msgs/Imu; expected sensor_msgs/LaserScan", 3),
     Fault("nobody", "nobody publishes a source", "lone input", "WARN", "nobody publishes /lone; start its driver", 4),
-    Fault("unusable", "messages of a source are unusable", "bad input", "WARN", "unusable messages", 3),
+    Fault("unusable", "messages of a source are unusable", "bad input", "WARN", "unusable messages: ", 3),
     Fault("ahead", "the clock of a source's node is an hour ahead", "sensor ahead", "WARN", "s ahead of this computer's clock", 4),
     Fault("no_pose", "no pose for a merged scan", "merged astray", "ERROR", "publish it on tf or configure the pose", 3),
     Fault("mount", "a mount is wrong", "merged bent", "WARN", "do not agree on where surfaces are; correct a mount", 15),
     Fault("far_mount", "a mount is wrong by 8 degrees", "merged far_off", "WARN", "do not agree on where surfaces are; correct a mount", 15),
     Fault("astray", "a mount is wrong by a quarter of a turn", "merged astray_mount", "WARN", "of what left sees where their fields of view overlap; check the pose", 15),
-    Fault("full_disk", "the state cannot be written at the start", "configuration", "WARN", "the configuration cannot be kept for a start with a wrong file", 3),
+    Fault("full_disk", "the state cannot be written at the start", "configuration", "WARN", "the configuration cannot be kept for a start with a wrong file: ", 3),
     Fault("no_cloud", "no cloud for a virtual scan", "virtual levels", "ERROR", "no output for more than 3 s", 4),
     Fault("no_source", "a source of a merged scan is gone", "merged around", "ERROR", "publishing without ", 1),
     Fault("slow", "a subscriber stands still", "topic full/points", "WARN", "a subscriber of full/points is too slow and loses messages", 20),
@@ -56,6 +57,9 @@ MIDDLEWARE = [
     Fault("hung", "the ROS master hangs", "ROS", "WARN", "the master does not answer; check roscore", 4),
     Fault("away", "the ROS master ends", "ROS", "WARN", "the master does not answer; check roscore", 3),
 ]
+# What items say at some time while they are well.
+WELL = {"computer": "reads what comes in time", "clock": "the host's clock runs evenly", "configuration": "as in ",
+        "lone input": "waiting for the first message"}
 # Sentences before which another one may stand: a loss is a WARN before it is an ERROR; before a connection to the master is
 # there, tf is missing for that reason; the kernel reports that a link is down up to 1 s later (linkwatch), so that "silent" may come
 # without the cause at first.

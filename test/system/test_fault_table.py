@@ -15,7 +15,7 @@ import time
 import xmlrpc.client
 
 import rospy
-from faults import CABLE, MAY_BE_SECOND, MIDDLEWARE, NOT_TESTED
+from faults import CABLE, MAY_BE_SECOND, MIDDLEWARE, NOT_TESTED, WELL
 from harness import (Clock, Starved, ask, daemon, expect, figure, free_port, item, level, process, run, scene_of, sim, wait_for, well,
                      write)
 from nav_msgs.msg import Odometry
@@ -358,6 +358,8 @@ def faults_of_middleware(tmp, watch, table, master):
         child = stack.enter_context(tested(config, env=dict(clock.environment(), STATE_DIRECTORY=str(tmp / "state"))))
         table.check(MIDDLEWARE, dict.fromkeys(("wrong_type", "nobody", "unusable", "ahead", "no_pose", "mount", "far_mount", "astray", "full_disk"), start))
         check_commands(watch, "odd input")
+        for name, text in WELL.items():
+            expect(any(text in one[2] for one in watch.seen["status", name]), f"{name} never says {text}: {watch.seen['status', name]}")
         (tmp / "state").unlink()
         wait_for(lambda: level("configuration") == "OK", 15, "the configuration is kept once there is room")
         well("sensor left", "sensor right", "sensor roof", "sensor full")

@@ -85,7 +85,7 @@ def check_refusals(server, scans, diagnostics):
         answer = server.ask(**wanted)
         expect(answer["angle_max"] == 1.5 and answer["angle_increment"] == 0.02 and answer["range_min"] == 0, f"in force: {answer}")
         expect_state(diagnostics, reason, 1, {"Beams": "151"})
-    expect_state(diagnostics, reason, 1, {"Changes refused": "4"})
+    expect_state(diagnostics, "change refused, the values before stay: ", 1, {"Changes refused": "4"})
     expect(len(scans.messages[-1].ranges) == 151, "as before")
 
 

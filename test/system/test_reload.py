@@ -83,6 +83,7 @@ def expect_merged_with_virtual(vehicle):
     count = vehicle.count("mixed")
     wait_for(lambda: vehicle.count("mixed") > count + 10, 10, "a planar scan and a virtual one are merged")
     wait_for(lambda: item("merged mixed")["values"]["Source low"].startswith("ok"), 5, f"both are used: {item('merged mixed')}")
+    wait_for(lambda: item("virtual scans to merge")["message"] == "all are handed over", 15, "all are handed over")
 
 
 def check_changes(vehicle, child):

@@ -294,7 +294,7 @@ def check_reload(vehicle):
     vehicle.systemctl("restart", "lidard")
     seconds_to_data(vehicle, "/around")
     item = configuration_item(vehicle)
-    expect(item["level"] == "ERROR" and "last good configuration" in item["message"], str(item))
+    expect(item["level"] == "ERROR" and "the last good configuration is in force" in item["message"], str(item))
     print(f"started with a wrong file: {item['message']}")
     reload(good)
     wait_for(lambda: configuration_item(vehicle)["level"] == "OK", 5, "the right file is in force")

@@ -103,6 +103,7 @@ def check_states(name, diagnostics):
         expect(diagnostics.level("sensor front") == 0, "the planar scanner is well")
     if name == "lidard-ros":
         wait_for(lambda: diagnostics.level("ROS") == 2, 3, "the state of ROS is an ERROR")
+        expect("the thread that publishes has stood still for" in diagnostics.message("ROS"), diagnostics.message("ROS"))
         print(f"ROS: {diagnostics.message('ROS')}")
 
 

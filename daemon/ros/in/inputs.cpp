@@ -8,6 +8,7 @@
 #include <mutex>
 #include <utility>
 
+#include "daemon/health/sentences.h"
 #include "daemon/pipeline/log.h"
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/ros/master/master_client.h"
@@ -41,14 +42,14 @@ std::optional<FrameKind> use_of(const std::string& sensor, const Config& config)
 
 void judge(const SourceReport& report, bool waits, DiagnosticItem& item) {
   constexpr auto news = std::chrono::seconds(10);
-  item.message = "receiving";
   if (!report.wrong_type.empty()) {
     item.set(Health::error, report.wrong_type);
   } else if (report.messages == 0) {
-    item.message = "waiting for the first message";
-    if (!waits) item.set(Health::warn, "nobody publishes " + report.topic + "; start its driver");
+    waits ? item.set<says::waiting_for_message>() : item.set<says::nobody_publishes>(report.topic);
   } else if (report.rejected > 0 && std::chrono::steady_clock::now() - report.rejected_at < news) {
-    item.set(Health::warn, "unusable messages: " + report.last_reason);
+    item.set<says::unusable_messages>(report.last_reason, report.topic);
+  } else {
+    item.set<says::receiving>();
   }
 }
 
@@ -93,7 +94,7 @@ struct RosInputs::Source {
     if (accepts(FrameKind::cloud))
       expected += (expected.empty() ? "" : " or ") + type_of<sensor_msgs::PointCloud2>().name;
     const std::lock_guard lock(mutex);
-    report.wrong_type = "topic " + report.topic + " carries " + report.type + "; expected " + expected;
+    report.wrong_type = text<says::wrong_type>(report.topic, report.type, expected);
     log_error("{}", report.wrong_type);
   }
 };
@@ -132,7 +133,7 @@ void RosInputs::subscribe_as(const MessageType& type, const std::shared_ptr<Sour
     if (const char* const reason = read(message, report, task)) {
       ++report.rejected;
       report.rejected_at = std::chrono::steady_clock::now();
-      if (report.last_reason != reason) log_warn("messages of {} are not used: {}", report.topic, reason);
+      if (report.last_reason != reason) log_warn("{}", text<says::unusable_messages>(reason, report.topic));
       report.last_reason = reason;
       return;
     }

@@ -9,6 +9,7 @@
 #include <mutex>
 #include <utility>
 
+#include "daemon/health/sentences.h"
 #include "daemon/pipeline/log.h"
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/ros/in/component.h"
@@ -95,12 +96,12 @@ struct Server : std::enable_shared_from_this<Server> {
   void refuse(const std::string& why) {
     ++refused;
     refusal = why;
-    log_warn("{}: change refused, the values before stay: {}", name(), why);
+    log_warn("{}: {}", name(), text<says::change_refused>(why));
   }
   DiagnosticItem status() const {
     const std::lock_guard lock(mutex);
-    DiagnosticItem item{"reconfigure " + name(), "none", Health::ok, "values in force"};
-    if (!refusal.empty()) item.set(Health::warn, "change refused, the values before stay: " + refusal);
+    DiagnosticItem item{"reconfigure " + name(), "none"};
+    refusal.empty() ? item.set<says::values_in_force>() : item.set<says::change_refused>(refusal);
     item.add("Changes", accepted);
     item.add("Changes refused", refused);
     if (output.sensor) return item;

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "daemon/health/sentences.h"
 #include "daemon/pipeline/log.h"
 #include "daemon/ros/messages/bags_module.h"
 #include "daemon/ros/messages/convert.h"
@@ -27,7 +28,7 @@ bool BufferPoses::lookup(const std::string& parent, const std::string& child, St
   const std::string to = ros_frame(parent);
   const std::string from = ros_frame(child);
   if (to.empty() || from.empty()) {
-    why_not = "a frame name is empty";
+    why_not = text<says::tf_unnamed>();
     return false;
   }
   if (to == from) {
@@ -38,14 +39,13 @@ bool BufferPoses::lookup(const std::string& parent, const std::string& child, St
   // Checked first: lookupTransform() throws, and unknown poses are common.
   std::string reason;
   if (!buffer_.canTransform(to, from, at, &reason)) {
-    if (reason.empty()) reason = "tf does not know " + from + " in " + to;
-    why_not = reason + "; publish it on tf or configure the pose";
+    why_not = reason.empty() ? text<says::tf_unknown>(from, to) : text<says::tf_reason>(reason);
     return false;
   }
   try {
     pose = to_pose(buffer_.lookupTransform(to, from, at).transform);
   } catch (const tf2::TransformException& problem) {
-    why_not = problem.what();
+    why_not = text<says::tf_reason>(problem.what());
     return false;
   }
   return true;
@@ -83,7 +83,7 @@ TfPoses::TfPoses(SharedClockStep clock) : BufferPoses(live_kept_s, std::move(clo
 bool TfPoses::lookup(const std::string& parent, const std::string& child, Stamp stamp, Pose& pose,
                      std::string& why_not) {
   if (BufferPoses::lookup(parent, child, stamp, pose, why_not)) return true;
-  if (!listening_) why_not = "no tf: there was no ROS master yet; publish it on tf or configure the pose";
+  if (!listening_) why_not = text<says::tf_absent>();
   return false;
 }
 

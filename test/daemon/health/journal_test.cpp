@@ -8,6 +8,8 @@
 #include <map>
 #include <vector>
 
+#include "test/support/says.h"
+
 namespace lidard {
 namespace {
 
@@ -161,7 +163,7 @@ TEST(Journal, TellsOfASourceThatFlapsThatItDoesAndCountsTheRest) {
   EXPECT_EQ(bench.journal.events()[0].count, 10U);
   bench.see(20, Health::warn, "contact");
   ASSERT_EQ(bench.told.size(), 2 * Journal::most_logged) << "all of each sentence";
-  EXPECT_NE(bench.told.back().text.find("to and fro"), std::string::npos);
+  EXPECT_THAT(bench.told.back().text, test::Says(says::recurs));
   bench.see(20.5, Health::warn, "other", "rear");
   EXPECT_EQ(bench.told.back().source, "rear") << "others are heard";
 }

@@ -13,6 +13,7 @@
 
 #include "daemon/pipeline/frame_tree.h"
 #include "test/daemon/live/live_bench.h"
+#include "test/support/says.h"
 #include "test/support/tcp_peer.h"
 
 namespace lidard::test {
@@ -79,6 +80,13 @@ TEST(TcpConnections, NameWhatIsWrongWithThisHostBeforeTheConnectionBreaks) {
   t.b.host_trouble = "lidar0 has no link";
   EXPECT_EQ(t.b.message(0), "connected") << "TCP notices it a second later";
   EXPECT_EQ(t.b.connections.trouble(0), "lidar0 has no link");
+}
+
+TEST(TcpConnections, SayThatADialogueThatFailedIsBegunAgain) {
+  TcpBench t;
+  ASSERT_TRUE(t.b.until([&] { return t.b.driver.dialogues == 1 && t.peer.accept(); }));
+  t.b.links.disconnect(0, true);
+  EXPECT_THAT(t.b.message(0), test::Says(says::dialogue_failed));
 }
 
 TEST(TcpConnections, BeginTheDialogueAnewAfterAResetAndForgetHalfALine) {

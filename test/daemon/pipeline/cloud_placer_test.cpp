@@ -21,6 +21,7 @@
 #include "test/support/allocations.h"
 #include "test/support/captures.h"
 #include "test/support/recording_sink.h"
+#include "test/support/says.h"
 
 namespace lidard {
 namespace {
@@ -169,7 +170,7 @@ TEST(CloudPlacer, PosesThatDoNotComeAreToldAndCounted) {
   ASSERT_EQ(standing.clouds().size(), raw.clouds().size()) << "clouds go on";
   EXPECT_EQ(standing.clouds()[5].points_bytes, raw.clouds()[5].points_bytes);
   EXPECT_EQ(standing.told().health, Health::warn);
-  EXPECT_THAT(standing.told().message, HasSubstr("published as if the vehicle stood still"));
+  EXPECT_THAT(standing.told().message, test::Says(says::as_if_it_stood));
   EXPECT_THAT(standing.verdicts.str(),
               HasSubstr("WARN roof: " + std::to_string(raw.clouds().size()) + " clouds not deskewed"));
   Demo nowhere(", points_frame: odom", ms(5000));

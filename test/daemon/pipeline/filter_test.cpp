@@ -13,6 +13,7 @@
 #include "test/daemon/config/config_support.h"
 #include "test/sim/servers/velodyne_stream.h"
 #include "test/support/recording_sink.h"
+#include "test/support/says.h"
 
 namespace lidard {
 namespace {
@@ -131,7 +132,7 @@ TEST(SensorFilter, AnOrganisedCloudKeepsItsPlaces) {
 TEST(SensorFilter, SaysThatNothingIsLeft) {
   const test::RecordingSink none = play(", filter: {box: [[900, -900, -9], [901, 900, 9]]}");
   EXPECT_EQ(none.item("sensor roof").health, Health::warn);
-  EXPECT_THAT(none.item("sensor roof").message, HasSubstr("its filter removed every return of the last"));
+  EXPECT_THAT(none.item("sensor roof").message, test::Says(says::filter_removes_all));
   EXPECT_THAT(none.item("sensor roof").message, HasSubstr("frames on roof/points"));
   // A ring's scan lies at 0; of the cloud few returns do.
   const test::RecordingSink level = play(", filter: {cut_out: [[-900, -900, -0.01], [900, 900, 0.01]]}");

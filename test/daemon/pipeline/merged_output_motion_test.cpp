@@ -140,7 +140,8 @@ TEST(MergedScanMaker, CountsOutputsThatAreLeftOutForWantOfPoses) {
   EXPECT_EQ(bench.value("merged m", "Left out for want of poses", now), "5");
   EXPECT_EQ(bench.value("merged m", "Motion", now), "no poses yet");
   EXPECT_EQ(why_missing(bench.pipeline, "m"),
-            "no output: on_missing_motion: drop, and poses of the vehicle are missing");
+            "no output: on_missing_motion: drop, and poses of the vehicle are missing; see that odometry is "
+            "published");
 }
 
 }  // namespace

@@ -185,7 +185,7 @@ TEST(MergedScanMaker, NamesAStaleSourceAsAWarningAndALostOneAsAnError) {
   // b was due at 2100 and is waited for 0.3 periods more; it is lost 0.4 s after its last sweep.
   const auto item_at = [&](double at) { return bench.item("merged m", bench_begin + ms(at)); };
   EXPECT_EQ(item_at(3001).health, Health::error);
-  EXPECT_EQ(item_at(3001).message, "publishing without b");
+  EXPECT_EQ(item_at(3001).message, "publishing without b; see the state of its sensors");
   EXPECT_EQ(test::value_of(item_at(3001), "Sources lost"), "b");
   EXPECT_THAT(test::value_of(item_at(3001), "Source b"), MatchesRegex("lost, 10.0 Hz, age 1001 ms"));
 
@@ -201,7 +201,7 @@ TEST(MergedScanMaker, NamesAStaleSourceAsAWarningAndALostOneAsAnError) {
   EXPECT_EQ(until(100, 2900).health, Health::ok) << "it is stale from 2150 on, for less than ten outputs";
   const DiagnosticItem stale = until(3000, 3300);
   EXPECT_EQ(stale.health, Health::warn);
-  EXPECT_EQ(stale.message, "publishing without b, whose sweeps are too old");
+  EXPECT_EQ(stale.message, "publishing without b, whose sweeps are too old; see the state of its sensors");
   EXPECT_EQ(test::value_of(stale, "Sources lost"), "");
 }
 
@@ -330,8 +330,8 @@ TEST(MergedScanMaker, SaysWhyNothingCameForEachOfItsTopics) {
       two_sources("cloud_destination_topic: cloud, status_topic: known, also: {safe: safety}"));
   for (const char* topic : {"m", "cloud", "known", "safe"})
     EXPECT_THAT(why_missing(bench.pipeline, topic),
-                ::testing::MatchesRegex(
-                    "no output: no input has come in yet; a: nothing received.*; b: nothing received.*"))
+                ::testing::MatchesRegex("no output: no input has come in yet; see the state of its sensors; "
+                                        "a: nothing received.*; b: nothing received.*"))
         << topic;
   EXPECT_EQ(why_missing(bench.pipeline, "other"), "");
   sweep(bench, "b", ms(100));
@@ -350,10 +350,10 @@ TEST(MergedScanMaker, ThatGivesNothingSaysSoAfterThreeSeconds) {
   for (double at = 2100; at <= 6000; at += 100) bench.pipeline.tick(bench_begin + ms(at));
   ASSERT_EQ(bench.sink.released["m"].back(), last) << "nobody delivers";
   EXPECT_EQ(bench.item("merged m", last + ms(2999)).message,
-            "no output, since no source delivers: see the state of its sensors");
+            "no output, since no source delivers; see the state of its sensors");
   const DiagnosticItem item = bench.item("merged m", last + ms(3001));
   EXPECT_EQ(item.health, Health::error);
-  EXPECT_EQ(item.message, "no output for more than 3 s: see the state of its sensors");
+  EXPECT_EQ(item.message, "no output for more than 3 s; see the state of its sensors");
 }
 
 TEST(MergedScanMaker, ASlowRateIsNoErrorBetweenItsOutputs) {
@@ -366,7 +366,7 @@ TEST(MergedScanMaker, ASlowRateIsNoErrorBetweenItsOutputs) {
   const Stamp last = bench.sink.released["m"].back();
   EXPECT_EQ(bench.item("merged m", last + ms(8000)).message, "publishing");
   EXPECT_EQ(bench.item("merged m", last + ms(15'100)).message,
-            "no output for more than 15 s: see the state of its sensors");
+            "no output for more than 15 s; see the state of its sensors");
 }
 
 TEST(MergedScanMaker, ASweepWithoutAPlaceIsCountedAndItsSourceNamed) {

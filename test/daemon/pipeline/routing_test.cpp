@@ -9,6 +9,7 @@
 
 #include "test/daemon/pipeline/line_driver.h"
 #include "test/support/pipeline_bench.h"
+#include "test/support/says.h"
 
 namespace lidard {
 namespace {
@@ -182,7 +183,7 @@ TEST(Routing, UnknownSendersAreADiagnosticItemOfTheirOwn) {
             "10.0.0.20 -> port 2368 (1 packets) sends to a port of ours but belongs to no sensor; add it to "
             "the configuration, or correct an ip_address");
   vehicle.datagram(21, 2368);
-  EXPECT_THAT(items()[1].message, testing::HasSubstr(" and others send to a port of ours"));
+  EXPECT_THAT(items()[1].message, test::Says(says::unknown_senders));
   EXPECT_EQ(test::value_of(items()[1], "Sender 1"), "10.0.0.20 -> port 2368 (1 packets)");
   EXPECT_EQ(test::value_of(items()[1], "Sender 2"), "10.0.0.21 -> port 2368 (1 packets)");
 }
@@ -198,7 +199,7 @@ TEST(Routing, ASilentSensorIsToldOfAnUnknownSenderToItsOwnPortAlone) {
   const auto items = items_of(*vehicle.pipeline, bench_begin + std::chrono::seconds(1));
   EXPECT_EQ(items[0].message,
             "nothing received from 10.0.0.10 to port 2368; but there are packets from 10.0.0.20 -> port 2368 "
-            "(1 packets): correct ip_address?");
+            "(1 packets); correct ip_address?");
   EXPECT_EQ(items[1].message,
             "nothing received from 10.0.0.11 to port 23; check the sensor's power, its destination address "
             "and port, and the firewall");

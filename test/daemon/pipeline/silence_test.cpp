@@ -146,7 +146,7 @@ TEST(Silence, NamesItsCauseAsFarAsItIsKnown) {
   sample.stray(IpAddress::v4(192, 168, 1, 9), 23680, 9);
   sample.stray(IpAddress::v4(192, 168, 1, 7), 2368, 3);
   EXPECT_THAT(message(),
-              testing::EndsWith("; but there are packets from 192.168.1.7 -> port 2368 (3 packets): correct "
+              testing::EndsWith(", but there are packets from 192.168.1.7 -> port 2368 (3 packets); correct "
                                 "ip_address?"));
   sample.config.packet_topic = "/packets";
   EXPECT_EQ(message(), "silent: nothing received from topic /packets; is its driver running?");
@@ -187,7 +187,7 @@ TEST(Silence, ASensorOfWhichNoPacketIsGoodIsAnErrorWhateverTheShareOfLate) {
   sample.report.counters.rejected[static_cast<std::size_t>(Reject::field)] = 1;
   EXPECT_EQ(sample.after(0).health, Health::error);
   EXPECT_EQ(sample.after(0).message,
-            "no packet could be used: rejected 3 (size 2, field 1); is it the configured model?");
+            "no packet could be used, rejected 3 (size 2, field 1); is it a VLP-16?");
 }
 
 TEST(SensorItem, ShowsEveryCounterUnderItsName) {

@@ -9,6 +9,7 @@
 
 #include "daemon/health/output_health.h"
 #include "test/support/pipeline_bench.h"
+#include "test/support/says.h"
 
 namespace lidard {
 namespace {
@@ -42,6 +43,8 @@ struct Watched {
   VehicleMotion motion{vehicle, tf, frames};
 };
 
+const std::string any_more = text<says::no_pose_any_more>();
+
 TEST(VehicleMotion, PosesMayLagTheDataByHalfASecond) {
   EXPECT_EQ(Watched(1000, 1500).after(0), "");
   EXPECT_EQ(Watched(1000, 1501).after(0),
@@ -60,18 +63,18 @@ TEST(VehicleMotion, PosesMayBeginHalfASecondAfterTheData) {
 TEST(VehicleMotion, WithoutDataForASecondThePosesAloneAreLookedAt) {
   Watched lagging(1000, 3000);
   EXPECT_THAT(lagging.after(999), HasSubstr("older than the newest scan"));
-  EXPECT_EQ(lagging.after(1000), "no pose of the vehicle any more");
+  EXPECT_EQ(lagging.after(1000), any_more);
   Watched live(1000, 3000);
   live.tell_pose(1100, 1000);
   EXPECT_EQ(live.after(1000), "");
   EXPECT_EQ(live.after(1499), "");
-  EXPECT_EQ(live.after(1500), "no pose of the vehicle any more");
+  EXPECT_EQ(live.after(1500), any_more);
 }
 
 TEST(VehicleMotion, APoseThatIsToldTwiceIsNoNewOne) {
   Watched live(1000, 3000);
   live.tell_pose(1000, 1400);
-  EXPECT_EQ(live.after(1400), "no pose of the vehicle any more") << "it is still that of the begin";
+  EXPECT_EQ(live.after(1400), any_more) << "it is still that of the begin";
 }
 
 TEST(VehicleMotion, ShowsItsCountersAndTheLag) {
@@ -170,7 +173,7 @@ TEST(MotionOfAnImu, WithoutARecentSpeedIsNoMotion) {
   EXPECT_EQ(bench.value("merged m", "Motion", bench_begin + ms(3000)), "deskewed");
   const DiagnosticItem item = run(3000, 6000, false);
   EXPECT_EQ(item.health, Health::warn) << "the speed is that of seconds ago";
-  EXPECT_THAT(item.message, testing::EndsWith("no speed comes on /speed"));
+  EXPECT_THAT(item.message, testing::EndsWith("no speed comes on /speed; see that it is published"));
   EXPECT_NE(bench.value("merged m", "Motion", bench_begin + ms(6000)), "deskewed");
 }
 
@@ -190,7 +193,7 @@ TEST(MotionOfAnImu, WithASpeedThatComesSeldomIsMotionUntilThreeOfItsPeriodsPass)
   EXPECT_EQ(run(8000, 9000, 10, std::nan("")), "532") << "NaN is no speed";
   run(10'000, 30'000, 5000, 5);
   EXPECT_EQ(motion_health(watched.motion.status(bench_begin + ms(30'000)).value()).message,
-            "no pose of the vehicle any more: no speed comes on ")
+            any_more + ": no speed comes on ; see that it is published")
       << "a speed of 3 s ago is too old, whatever its period";
 }
 
@@ -200,13 +203,13 @@ TEST(MotionOfAnImu, SaysNoReasonAnyMoreThatHasGone) {
     return motion_health(watched.motion.status(bench_begin + ms(at)).value()).message;
   };
   watched.motion.add_turn(bench_begin, {0, 0, 0}, "", bench_begin);
-  EXPECT_THAT(message(0), testing::EndsWith(": no speed comes on "));
+  EXPECT_THAT(message(0), testing::EndsWith(": no speed comes on ; see that it is published"));
   watched.motion.restart();
   EXPECT_THAT(message(0), testing::EndsWith("see that odometry is published"));
   watched.motion.add_turn(bench_begin, {0, 0, 0}, "", bench_begin);
   watched.motion.add_speed(5, bench_begin);
   watched.motion.add_turn(bench_begin, {0, 0, 0}, "", bench_begin);
-  EXPECT_EQ(message(1000), "no pose of the vehicle any more");
+  EXPECT_EQ(message(1000), any_more);
 }
 
 TEST(MotionOfAnImu, CountsSpeedsAndRatesThatCannotBe) {

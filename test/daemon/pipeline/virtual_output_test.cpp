@@ -164,8 +164,9 @@ TEST(VirtualScanMaker, NeedsTheLidarsPlaceOnTheVehicleOnlyForWhatIsKnownOfTheVeh
 TEST(VirtualScanMaker, CountsCloudsAndFramesWithoutAPlaceAndNamesThem) {
   PipelineBench bench(levels("low, nowhere"));
   const Stamp now = bench_begin + ms(100);
-  EXPECT_THAT(why_missing(bench.pipeline, "low"),
-              ::testing::StartsWith("no output: no input has come in yet; roof: "));
+  EXPECT_THAT(
+      why_missing(bench.pipeline, "low"),
+      ::testing::StartsWith("no output: no input has come in yet; see the state of its sensors; roof: "));
   bench.give("roof", posts(bench_begin, ring_of_posts(5, 0)), now);
   EXPECT_EQ(bench.value("virtual v", "Inputs without pose", now), "1");
   EXPECT_EQ(bench.value("virtual v", "Published", now), "1");
@@ -216,7 +217,7 @@ TEST(VirtualScanMaker, SaysNothingMoreWhenItsCloudsStopAndAnErrorAfterThreeSecon
   const auto later = [&](double at) { return bench.item("virtual v", bench_begin + ms(at)); };
   EXPECT_EQ(later(5000).health, Health::ok);
   EXPECT_EQ(later(5001).health, Health::error);
-  EXPECT_EQ(later(5001).message, "no output for more than 3 s: see the state of its sensors");
+  EXPECT_EQ(later(5001).message, "no output for more than 3 s; see the state of its sensors");
 }
 
 }  // namespace

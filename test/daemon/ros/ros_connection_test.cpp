@@ -20,6 +20,7 @@
 #include "daemon/ros/messages/device_messages.h"
 #include "test/support/ros_listener.h"
 #include "test/support/ros_samples.h"
+#include "test/support/says.h"
 #include "test/support/starved.h"
 
 namespace lidard {
@@ -274,6 +275,13 @@ TEST(RosConnection, ShowsDiagnosticsToRostopic) {
   });
 }
 
+TEST(RosConnection, SaysThatTheMasterIsAskedUntilItAnswers) {
+  in_own_process([] {
+    RosConnection connection({}, {});
+    EXPECT_THAT(connection.diagnostics(Stamp{1}).at(0).message, test::Says(says::master_asked));
+  });
+}
+
 TEST(RosConnection, CallsItemsOfAThreadThatHangsErrors) {
   in_own_process([] {
     RosMaster master;
@@ -290,7 +298,7 @@ TEST(RosConnection, CallsItemsOfAThreadThatHangsErrors) {
       for (const auto& message : listener.take(1, 200ms))
         if (message.status.front().hardware_id == "SN42") texts.push_back(message.status.front().message);
     EXPECT_GE(std::count(texts.begin(), texts.end(), "fine"), 3) << "once a second while it reports";
-    EXPECT_THAT(texts.back(), testing::StartsWith("no report from the sensor thread for "));
+    EXPECT_THAT(texts.back(), test::Says(says::no_report));
   });
 }
 

@@ -17,6 +17,7 @@
 #include "daemon/ros/messages/convert.h"
 #include "test/support/ros_master.h"
 #include "test/support/ros_samples.h"
+#include "test/support/says.h"
 #include "test/support/starved.h"
 
 namespace lidard {
@@ -133,7 +134,7 @@ TEST(RosInputs, FindTheTypeOfATopicAndConvertScans) {
     EXPECT_EQ(inputs.seen.scans[0].statuses, test::sample_scan().statuses);
     EXPECT_EQ(inputs.part->report().at(0).type, "sensor_msgs/LaserScan");
     EXPECT_EQ(inputs.part->report().at(0).rejected, 0U);
-    EXPECT_EQ(inputs.part->diagnostics().at(0).health, Health::ok);
+    EXPECT_THAT(inputs.part->diagnostics().at(0).message, test::Says(says::receiving));
   });
 }
 
@@ -146,7 +147,7 @@ TEST(RosInputs, ConvertCloudsOfAPublisherThatComesLate) {
     const Child clouds = talker("/points", message);  // waits for the master, as we do
     Inputs inputs({{"roof", "points"}});
     EXPECT_FALSE(inputs.run_until([&] { return !inputs.seen.clouds.empty(); }, 200ms));
-    EXPECT_EQ(inputs.part->diagnostics().at(0).health, Health::warn);
+    EXPECT_THAT(inputs.part->diagnostics().at(0).message, test::Says(says::nobody_publishes));
     master.start();
     EXPECT_TRUE(inputs.run_until([&] { return !inputs.seen.clouds.empty(); }));
     ASSERT_FALSE(inputs.seen.clouds.empty());
@@ -169,6 +170,9 @@ TEST(RosInputs, CountAndExplainMessagesTheyCannotUse) {
     EXPECT_TRUE(inputs.run_until([&] { return inputs.part->report()[1].type == "std_msgs/String"; }));
     EXPECT_EQ(inputs.part->report()[1].messages, 0U);
     EXPECT_TRUE(inputs.seen.scans.empty());
+    const auto items = inputs.part->diagnostics();
+    EXPECT_THAT(items.at(0).message, test::Says(says::unusable_messages));
+    EXPECT_THAT(items.at(1).message, test::Says(says::wrong_type));
   });
 }
 
@@ -284,7 +288,7 @@ TEST(TfPoses, FollowAChainOfFramesAndSayWhyAPoseIsUnknown) {
     Pose pose;
     std::string why;
     EXPECT_FALSE(poses.lookup("base_link", "laser", Stamp{}, pose, why));
-    EXPECT_THAT(why, testing::HasSubstr("no ROS master yet"));
+    EXPECT_THAT(why, test::Says(says::tf_absent));
     connection.start();
     Posted nothing;
     EXPECT_TRUE(nothing.run_until([&] { return poses.lookup("/base_link", "laser", Stamp{5}, pose, why); }))
@@ -292,8 +296,9 @@ TEST(TfPoses, FollowAChainOfFramesAndSayWhyAPoseIsUnknown) {
     EXPECT_EQ(pose.translation().x(), 3);
     EXPECT_TRUE(is_rigid(pose));
     EXPECT_FALSE(poses.lookup("base_link", "nowhere", Stamp{}, pose, why));
-    EXPECT_THAT(why, testing::HasSubstr("nowhere"));
+    EXPECT_THAT(why, testing::AllOf(testing::HasSubstr("nowhere"), test::Says(says::tf_reason)));
     EXPECT_FALSE(poses.lookup("", "laser", Stamp{}, pose, why));
+    EXPECT_THAT(why, test::Says(says::tf_unnamed));
     EXPECT_TRUE(poses.lookup("laser", "laser", Stamp{}, pose, why));
     expect_to_stop(connection);
   });
