@@ -102,7 +102,7 @@ TEST(Sentences, OfASilentSensor) {
   SensorState state;
   state.report.last_arrival = instant - std::chrono::seconds(1);
   EXPECT_THAT(state.says(), AllOf(Says(says::silent), Says(says::nothing_received)));
-  state.report.link_hint = "a firewall";
+  state.report.connection_hint = "a firewall";
   EXPECT_THAT(state.says(), AllOf(Says(says::silent), Says(says::nothing_because)));
   UnknownSenders others;
   Packet packet;
@@ -166,7 +166,7 @@ struct MergeState {
       if (name == key) return text;
     return {};
   }
-  OutputStatus status;
+  MakerStatus status;
 };
 
 TEST(Sentences, OfAnOutput) {
