@@ -20,9 +20,11 @@ void complete(SensorConfig& sensor) {
   set_ring_limits(sensor);
 }
 
-KeyValue get_output(const Key& key, const Reconfigurable& output) { return key.get(&output.config); }
-void set_output(const Key& key, Reconfigurable& output, const KeyValue& value) {
-  key.set(&output.config, value);
+KeyValue get_key(const Key& key, const Reconfigurable& output) {
+  return output.sensor ? key.get(&*output.sensor) : key.get(&output.config);
+}
+void set_key(const Key& key, Reconfigurable& output, const KeyValue& value) {
+  output.sensor ? key.set(&*output.sensor, value) : key.set(&output.config, value);
 }
 
 /// The increment in force, which may follow from the number of beams; setting it sets that number.
@@ -45,8 +47,7 @@ std::vector<ReconfigurableItem> items_of(OutputId::Kind kind, ReconfigureNames n
                             : key.live && (key.name != "profile" || kind == OutputId::Kind::merged);
     if (!wanted) continue;
     const bool is_increment = key.name == "angle_increment";
-    items.emplace_back(key, is_increment ? get_increment : get_output,
-                       is_increment ? set_increment : set_output);
+    items.emplace_back(key, is_increment ? get_increment : get_key, is_increment ? set_increment : set_key);
     if (names == ReconfigureNames::node) items.back().lowest = limit->min, items.back().highest = limit->max;
   }
   return items;
@@ -104,11 +105,6 @@ struct {
                             {"view_direction", -pi_d, pi_d},
                             {"view_width", 0, two_pi}};
 
-KeyValue get_sensor(const Key& key, const Reconfigurable& output) { return key.get(&*output.sensor); }
-void set_sensor(const Key& key, Reconfigurable& output, const KeyValue& value) {
-  key.set(&*output.sensor, value);
-}
-
 /// organize_cloud of velodyne_pointcloud, a flag.
 KeyValue get_organized(const Key& /*key*/, const Reconfigurable& output) {
   return output.sensor->layout.order != CloudOrder::list;
@@ -124,7 +120,7 @@ Reconfigurable sensor_output(const SensorConfig& sensor) {
   for (const auto& limit : sensor_limits) {
     for (const Key& key : sensor_keys()) {
       if (key.name != limit.name || !accepts(sensor, key)) continue;
-      ReconfigurableItem& item = output.items.emplace_back(key, get_sensor, set_sensor);
+      ReconfigurableItem& item = output.items.emplace_back(key, get_key, set_key);
       item.lowest = limit.min, item.highest = limit.max;
     }
   }
