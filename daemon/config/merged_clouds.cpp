@@ -67,9 +67,8 @@ const Keys<MergedCloudConfig>& merged_cloud_keys() {
   };
   static const Keys<M> rows{
       Keys<M>{{"sources", &M::sources, special("names of sensors"),
-               "the lidars and planar scanners, by name or by the topic that they publish; `topic:` is taken "
-               "for a "
-               "cloud",
+               "the lidars and planar scanners, by name or by the topic that they publish; `topic:` is "
+               "taken for a cloud",
                needed},
               {"destination_frame", &M::destination_frame, frame, "the frame of the returns",
                preset("vehicle.base_frame")},

@@ -202,8 +202,7 @@ Keys<S> scan_keys() {
       of(Trait::states_on_request,
          {{"publish_states", of(&R::device_states), flag,
            "its states too, on NAME/lferec, lidinputstate, lidoutputstate, encoder, or system_state, "
-           "output_paths, "
-           "intrusion, beam_status"}}),
+           "output_paths, intrusion, beam_status"}}),
       of(Trait::skips,
          {{"skip", of(&R::skip), whole(0, 999), "scans left out between two; of a Hokuyo 0 to 9",
            remark("as a SICK scanner is set, 0 of a Hokuyo")}}),

@@ -104,13 +104,13 @@ std::string host_hint(const SensorConfig& sensor, const HostCounts& counts) {
         "{:.0f} datagrams/s come to ports of this host where nobody listens; does the sensor send to another "
         "port than {}? `tcpdump -ni any udp and src host {}` shows it",
         unheard, sensor.ip_port, who);
-  const double foreign = rate(counts.before.for_others, counts.now.for_others, counts.time_s);
-  if (foreign >= enough)
+  const double for_others = rate(counts.before.for_others, counts.now.for_others, counts.time_s);
+  if (for_others >= enough)
     return fmt::format(
         "{:.0f} packets/s come in for an address that this host does not have; does the sensor send "
         "elsewhere? `tcpdump -ni any udp and src host {}` shows where to; set its destination to an address "
         "of this host",
-        foreign, who);
+        for_others, who);
   const auto interfaces = interfaces_of(sensor, counts.now);
   const auto earlier = interfaces_of(sensor, counts.before);
   if (interfaces.size() != 1 || earlier.size() != 1 || interfaces[0]->loopback) return {};

@@ -42,7 +42,7 @@ INSTANTIATE_TEST_SUITE_P(PlaneAtHalfAMetre, YardBars,
                                            Bar{"of_64_rings", 5, 98, 99.1}),
                          [](const auto& each) { return std::string(each.param.name); });
 
-TEST(Virtualizer, GroundThatIsLookedForServesAsWellAsOneThatIsTold) {
+TEST(Virtualizer, GroundThatIsFoundServesAsWellAsOneThatIsConfigured) {
   for (const auto& set_up : sim::yard_cases()) {
     if (std::string(set_up.name).find("plane at 0.5 m") == std::string::npos) continue;
     sim::YardScore told, found;
