@@ -166,7 +166,7 @@ TEST(Moving, AParameterWithAKeyChangesTheConfigurationAndOneWithoutIsReported) {
       if (elsewhere.count(name) != 0) continue;
       parameters[name] = row.key.empty() ? "7" : sample_of(name);
       const DropinSetup after = one.setup(parameters);
-      // Keys that one model has no use for are told instead, key by key.
+      // Keys that one model has no use for are reported instead, key by key.
       const bool is_left_out =
           remarks_of(after).find("key " + std::string(row.key) + " was left out") != std::string::npos;
       if (row.key.empty()) {
@@ -274,6 +274,15 @@ TEST(Moving, AMulticastGroupOfASafetyScannerIsJoined) {
   const DropinSetup setup = safety_scanners_setup({{"host_ip", "239.0.0.10"}});
   EXPECT_EQ(parse_config(setup.keys.yaml(), "p").sensors.at(0).multicast_group,
             IpAddress::parse("239.0.0.10"));
+}
+
+TEST(Moving, AModelMayAlsoHaveItsNameHere) {
+  const auto model_of = [](const DropinSetup& setup) {
+    return parse_config(setup.keys.yaml(), "p").sensors.at(0).model->name;
+  };
+  EXPECT_EQ(model_of(sick_scan_setup({{"scanner_type", "sick_multiscan165"}})), "sick_multiscan165");
+  EXPECT_EQ(model_of(nebula_setup({{"sensor_model", "velodyne_hdl32e"}})), "velodyne_hdl32e");
+  EXPECT_EQ(model_of(velodyne_node_setup({{"model", "velodyne_puck_hires"}})), "velodyne_puck_hires");
 }
 
 }  // namespace
