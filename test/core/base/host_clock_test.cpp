@@ -49,7 +49,7 @@ TEST(HostClock, GoesOnWhereTheHostsClockIsSetAndFindsBackToIt) {
     host.set(span_from_seconds(s));
     host.pass(milliseconds(10));
     EXPECT_EQ(clock.observe(host.read()), span_from_seconds(s));
-    EXPECT_FALSE(clock.observe(host.read())) << "steps once";
+    EXPECT_FALSE(clock.observe(host.read())) << "reported once";
     EXPECT_EQ(clock.steady(host.read()) - before, Span(milliseconds(10)));
     EXPECT_EQ(host_of(clock, clock.steady(host.read())), host.realtime);
     EXPECT_EQ(clock.steps(), 1U);
