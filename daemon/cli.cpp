@@ -253,12 +253,13 @@ struct Commands {
     for (const Family& family : families()) {
       if (family.discovery == nullptr) continue;
       const Discovery& how = *family.discovery;
-      auto& places = asked.emplace_back(&how, std::vector<std::string>()).second;
+      auto& addresses = asked.emplace_back(&how, std::vector<std::string>()).second;
       if (!how.usual_address.empty())
-        places.push_back(std::string(how.usual_address) + ":" + std::to_string(how.port));
-      c->add_option("--" + std::string(how.name), places,
-                    places.empty() ? "Where to send the search, IP[:PORT]; else broadcast on all interfaces"
-                                   : "Addresses to ask, IP[:PORT]")
+        addresses.push_back(std::string(how.usual_address) + ":" + std::to_string(how.port));
+      c->add_option("--" + std::string(how.name), addresses,
+                    addresses.empty()
+                        ? "Where to send the search, IP[:PORT]; else broadcast on all interfaces"
+                        : "Addresses to ask, IP[:PORT]")
           ->capture_default_str();
     }
     c->add_option("--wait", discover.wait, "Seconds")->check(CLI::Range(0.1, 60.0))->capture_default_str();
@@ -305,7 +306,7 @@ struct Commands {
   }
   int start_discover() {
     for (const auto& [how, texts] : asked) {
-      if (texts.empty()) discover.places.push_back({how, {{}, how->port}});
+      if (texts.empty()) discover.targets.push_back({how, {{}, how->port}});
       for (const std::string& text : texts) {
         const auto endpoint = read_endpoint(text, how->port);
         if (!endpoint) {
@@ -313,7 +314,7 @@ struct Commands {
                     << "' is not an address; expected IPv4 or IPv4:PORT, e.g. 192.168.0.10\n";
           return exit_usage;
         }
-        discover.places.push_back({how, *endpoint});
+        discover.targets.push_back({how, *endpoint});
       }
     }
     return run_discover(discover, std::cout, std::cerr);

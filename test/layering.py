@@ -83,11 +83,19 @@ WORDS = {
     "links_": "connections_",
     "outlets?_?": "router",
     "DriverOutput|ChangeableOutput": "FrameReceiver, Reconfigurable",
+    "SeenPlace|DiscoverPlace|ParameterReader": "Surroundings, DiscoverTarget, Translation",
     "overlap_": "mount_check_",
     "veils?(?!_filter)": "mixed pixel",
     "take_\\w+": "accept, apply, parse, read",
     "lest|whoever|somebody": "the noun",
 }
+# Words that have a meaning in some rooms alone: the others, and what they say instead.
+ROOM_WORDS = {
+    ("core/mounts", "daemon/commands", "daemon/dropin", "daemon/files", "daemon/live", "daemon/offline", "daemon/ros"): {
+        r"\bplaces?_?\b|\bis_placed\b|\bplace_of\b": "index, position, pose, viewpoint, to transform",
+    },
+}
+IDIOMS = re.compile(r"\bin (its )?place\b|\btakes? place\b", re.I)
 QUOTED = re.compile(r"""R"\((.|\n)*?\)"|"(\\.|[^"\\\n])*"|'\\?[^\n]'""")
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
 
@@ -130,10 +138,13 @@ def faults_of(path, name, room):
             yield f"{name}:{number}: core/ has no clock"
 
 
-def words_of(path, name):
-    text = QUOTED.sub(lambda quoted: "\n" * quoted.group().count("\n"), path.read_text())
+def words_of(path, name, room):
+    words = dict(WORDS)
+    for rooms, more in ROOM_WORDS.items():
+        words.update(more if room.startswith(rooms) else {})
+    text = IDIOMS.sub("", QUOTED.sub(lambda quoted: "\n" * quoted.group().count("\n"), path.read_text()))
     for number, line in enumerate(text.splitlines(), 1):
-        for word, instead in WORDS.items():
+        for word, instead in words.items():
             if found := re.search(rf"(?<![a-z])({word})(?![a-z])", line, re.I):
                 yield f"{name}:{number}: '{found.group(1)}' is no word of ours; say {instead}"
 
@@ -150,7 +161,7 @@ def violations(root):
                 continue
             yield from faults_of(path, name, room)
             if room.split("/")[0] != "test":
-                yield from words_of(path, name)
+                yield from words_of(path, name, room)
 
 
 def reached(start, uses):

@@ -3,6 +3,7 @@
 #include "core/mounts/drive_fit.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -23,7 +24,7 @@ constexpr int match_rounds = 3, fit_rounds = 6;
 constexpr std::size_t fewest_moves = 10, fewest_pairs = 4;
 // Before the drive, a configured pose is known so well (m, rad, s), and the odometry's scales. In a direction
 // that the drive does not show, this is what is known after it.
-constexpr double prior_place = 0.3, prior_yaw = 10 * rad_per_deg, prior_time = 0.1, prior_scale = 0.05;
+constexpr double prior_position = 0.3, prior_yaw = 10 * rad_per_deg, prior_time = 0.1, prior_scale = 0.05;
 // What is known no better than this is not determined: m, m, rad, s.
 constexpr std::array<double, 4> worst_known{0.02, 0.02, 0.2 * rad_per_deg, 0.002};
 // No deviation is smaller.
@@ -43,14 +44,16 @@ struct DriveState {
 
 class Unknowns {
  public:
-  explicit Unknowns(const std::vector<DrivenSensor>& sensors) : sensors_(sensors), places_(sensors.size()) {
+  explicit Unknowns(const std::vector<DrivenSensor>& sensors)
+      : sensors_(sensors), pose_indices_(sensors.size()) {
     for (std::size_t s = 0; s < sensors.size(); ++s) {
-      if (sensors[s].held_by == s) places_[s] = count_, count_ += 3;
+      if (sensors[s].held_by == s) pose_indices_[s] = count_, count_ += 3;
     }
     count_ += static_cast<Eigen::Index>(sensors.size()) + 2;
   }
   Eigen::Index size() const { return count_; }
-  Eigen::Index place(std::size_t sensor) const { return places_[sensors_[sensor].held_by]; }
+  /// Of x; those of y and yaw follow.
+  Eigen::Index pose_index(std::size_t sensor) const { return pose_indices_[sensors_[sensor].held_by]; }
   Eigen::Index offset(std::size_t sensor) const {
     return count_ - 2 - static_cast<Eigen::Index>(sensors_.size() - sensor);
   }
@@ -61,7 +64,7 @@ class Unknowns {
     DriveState to = from;
     for (std::size_t s = 0; s < sensors_.size(); ++s) {
       const PlanarPose& holder = from.poses[sensors_[s].held_by];
-      const Vector3d step = change.segment<3>(place(s));
+      const Vector3d step = change.segment<3>(pose_index(s));
       to.poses[s] = PlanarPose{holder.x + step[0], holder.y + step[1], holder.yaw + step[2]} *
                     (holder.inverse() * from.poses[s]);
       to.offsets[s] += change[offset(s)];
@@ -73,8 +76,9 @@ class Unknowns {
   VectorXd prior_weights() const {
     VectorXd weights = VectorXd::Constant(count_, 1 / (prior_time * prior_time));
     for (std::size_t s = 0; s < sensors_.size(); ++s)
-      weights.segment<3>(place(s)) = Vector3d(1 / (prior_place * prior_place),
-                                              1 / (prior_place * prior_place), 1 / (prior_yaw * prior_yaw));
+      weights.segment<3>(pose_index(s)) =
+          Vector3d(1 / (prior_position * prior_position), 1 / (prior_position * prior_position),
+                   1 / (prior_yaw * prior_yaw));
     weights.tail<2>().setConstant(1 / (prior_scale * prior_scale));
     return weights;
   }
@@ -84,7 +88,7 @@ class Unknowns {
       off[offset(s)] = state.offsets[s];
       if (sensors_[s].held_by != s) continue;
       const PlanarPose &now = state.poses[s], &before = sensors_[s].configured;
-      off.segment<3>(place(s)) =
+      off.segment<3>(pose_index(s)) =
           Vector3d(now.x - before.x, now.y - before.y, std::remainder(now.yaw - before.yaw, two_pi));
     }
     off[scale()] = state.scale - 1, off[turn_scale()] = state.turn_scale - 1;
@@ -93,7 +97,7 @@ class Unknowns {
 
  private:
   const std::vector<DrivenSensor>& sensors_;
-  std::vector<Eigen::Index> places_;
+  std::vector<Eigen::Index> pose_indices_;
   Eigen::Index count_ = 0;
 };
 
@@ -247,13 +251,9 @@ void DriveFit::sum(const std::vector<Move>& moves, const DriveState& state) {
     const double chi = error.dot(weight * error), trust = (move_freedom + 3) / (move_freedom + chi);
     // An error that grows loses trust, so that its pull grows by less.
     const double growth = 1 - 2 * chi / (3 * (move_freedom + chi));
-    const Eigen::Index place = unknowns_.place(move.sensor);
-    const std::array<Eigen::Index, 6> touched{place,
-                                              place + 1,
-                                              place + 2,
-                                              unknowns_.offset(move.sensor),
-                                              unknowns_.scale(),
-                                              unknowns_.turn_scale()};
+    const Eigen::Index x = unknowns_.pose_index(move.sensor);
+    const std::array<Eigen::Index, 6> touched{
+        x, x + 1, x + 2, unknowns_.offset(move.sensor), unknowns_.scale(), unknowns_.turn_scale()};
     const Slopes slopes = slopes_of(move, sides, touched);
     while (blocks_.size() <= move.block) blocks_.emplace_back(VectorXd::Zero(pulls_.size()));
     const Eigen::Matrix<double, 6, 1> pull = -trust * slopes.transpose() * weight * error;
@@ -283,19 +283,19 @@ DriveEstimate estimate_of(std::size_t s, const std::vector<DrivenSensor>& sensor
   const PlanarPose &configured = sensors[holder].configured, &found = state.poses[holder];
   // From the unknowns to x, y, yaw of the holder and the time offset, and of this sensor.
   MatrixXd own = MatrixXd::Zero(4, unknowns.size());
-  own.block<3, 3>(0, unknowns.place(s)).setIdentity();
+  own.block<3, 3>(0, unknowns.pose_index(s)).setIdentity();
   own(3, unknowns.offset(s)) = 1;
   const auto sigmas = [&] { return (own * covariance * own.transpose()).diagonal().cwiseSqrt().eval(); };
   const Eigen::Vector4d sigma = sigmas();
   const auto is_known = [&](int i) { return sigma[i] < worst_known[static_cast<std::size_t>(i)]; };
-  const bool place = is_known(0) && is_known(1);
-  estimate.determined = {place, place, is_known(2), is_known(3)};
-  const PlanarPose kept{place ? found.x : configured.x, place ? found.y : configured.y,
+  const bool position = is_known(0) && is_known(1);
+  estimate.determined = {position, position, is_known(2), is_known(3)};
+  const PlanarPose kept{position ? found.x : configured.x, position ? found.y : configured.y,
                         is_known(2) ? found.yaw : configured.yaw};
   estimate.pose = kept * (configured.inverse() * sensors[s].configured);
   estimate.time_offset = is_known(3) ? state.offsets[s] : 0;
-  own(0, unknowns.place(s) + 2) = kept.y - estimate.pose.y;
-  own(1, unknowns.place(s) + 2) = estimate.pose.x - kept.x;
+  own(0, unknowns.pose_index(s) + 2) = kept.y - estimate.pose.y;
+  own(1, unknowns.pose_index(s) + 2) = estimate.pose.x - kept.x;
   estimate.covariance = own * covariance * own.transpose();
   for (Eigen::Index i = 0; i < 4; ++i) {
     const double least = floor_known[static_cast<std::size_t>(i)];
@@ -312,7 +312,7 @@ std::vector<Surface> surfaces_of(const DriveSweep& sweep, const Matrix3d& tilt, 
   const PlanarPose back = (track.at(time) * mount).inverse();
   std::vector<StillView> views;
   PlanarPose moved;
-  float placed = std::numeric_limits<float>::quiet_NaN();
+  float transformed = std::numeric_limits<float>::quiet_NaN();
   for (const DriveSweep::Return& seen : sweep.returns) {
     while (views.size() <= seen.ring) {
       views.emplace_back();
@@ -320,9 +320,9 @@ std::vector<Surface> surfaces_of(const DriveSweep& sweep, const Matrix3d& tilt, 
     }
     // Within half a millisecond the vehicle hardly moves.
     constexpr float tick = 0.0005F;
-    if (!(std::abs(seen.later - placed) <= tick / 2)) {
-      placed = seen.later + tick / 2;
-      moved = back * track.at(time + static_cast<double>(placed)) * mount;
+    if (!(std::abs(seen.later - transformed) <= tick / 2)) {
+      transformed = seen.later + tick / 2;
+      moved = back * track.at(time + static_cast<double>(transformed)) * mount;
     }
     const Vector3d level = tilt * seen.point.cast<double>();
     StillBeam beam;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/mounts/drive_track.h"
+#include "core/mounts/surfaces.h"
 
 namespace lidard {
 
@@ -35,7 +36,7 @@ constexpr double keyframe_s = 0.5;
 
 struct DrivenSensor {
   PlanarPose configured;  ///< in base_frame
-  /// The sensor against which its pose is known; itself: none. Both keep their places against each other.
+  /// The sensor against which its pose is known; itself: none. Both keep their positions against each other.
   std::size_t held_by = 0;
   Eigen::Matrix3d tilt = Eigen::Matrix3d::Identity();  ///< to the level frame of the sensor
   std::vector<DriveSweep> sweeps;                      ///< by time
@@ -54,8 +55,7 @@ struct DriveSolution {
   std::vector<DriveEstimate> sensors;
   double scale = 1, turn_scale = 1;  ///< by which the odometry's distances and angles are to be multiplied
   double scale_sigma = 1, turn_scale_sigma = 1;  ///< standard deviations
-  double way_noise =
-      0;  ///< m, standard deviation of the odometry's place after 1 m, as the residuals show it
+  double way_noise = 0;   ///< m, standard deviation of the odometry's position after 1 m, by the residuals
   double turn_noise = 0;  ///< rad, of its heading
 };
 

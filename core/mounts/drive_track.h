@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "core/mounts/placement.h"
+#include "core/mounts/planar_pose.h"
 
 namespace lidard {
 

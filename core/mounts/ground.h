@@ -19,8 +19,8 @@ struct GroundPlane {
   std::size_t points = 0;
 };
 
-/// What the ground of a place may be off from that under the wheels: a yard slopes, a tyre gives. Standard
-/// deviations.
+/// By how much the ground of a yard may differ from that under the wheels: a yard slopes, a tyre gives.
+/// Standard deviations.
 constexpr double ground_tilt_sigma = 0.3 * rad_per_deg;  // rad
 constexpr double ground_height_sigma = 0.015;            // m
 

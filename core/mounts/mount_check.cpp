@@ -109,13 +109,13 @@ bool MountCheck::Source::stands() const {
          std::hypot(moved.pose.x, moved.pose.y) + turning_arm_m * std::abs(moved.pose.yaw) < standing_m;
 }
 
-void MountCheck::find_source(const PlacedScan& sweep, const Vector2d& place, Source& source) {
+void MountCheck::find_source(const PlacedScan& sweep, const Vector2d& viewpoint, Source& source) {
   StillView& view = source.views[0];
   view.beams.resize(sweep.kind.size());
   view.step = 0;
   for (std::size_t i = 0; i < sweep.kind.size(); ++i) {
     StillBeam& beam = view.beams[i];
-    beam.point = Vector2d(static_cast<double>(sweep.x[i]), static_cast<double>(sweep.y[i])) - place;
+    beam.point = Vector2d(static_cast<double>(sweep.x[i]), static_cast<double>(sweep.y[i])) - viewpoint;
     beam.range =
         sweep.kind[i] == Return::surface ? beam.point.norm() : std::numeric_limits<double>::quiet_NaN();
     if (view.step > 0 || i == 0 || !beam.is_hit() || !view.beams[i - 1].is_hit()) continue;
@@ -141,7 +141,7 @@ MatchedPose MountCheck::match(std::size_t index, const PlanarPose& configured, S
   const MatchedPose other =
       refine_match(first.surfaces, second.surfaces,
                    far ? *far : match_surfaces(first.surfaces, second.surfaces, configured));
-  const double moved = std::hypot(other.pose.x - configured.x, other.pose.y - configured.y);
+  const double moved = other.pose.distance_to(configured);
   const double share = agreement(first, second, other.pose).share();
   const bool is_unique =
       other.pairs > fewest_surfaces || (other.pairs == fewest_surfaces && share >= certain_share);
@@ -188,20 +188,20 @@ void MountCheck::compare(std::size_t index, const Vector2d& offset, Stamp stamp,
 }
 
 void MountCheck::update(Stamp stamp, const std::vector<const PlacedScan*>& sweeps,
-                        const std::vector<Vector2d>& places, bool deskewed) {
+                        const std::vector<Vector2d>& viewpoints, bool deskewed) {
   if (updated_ && *updated_ - stamp > restart_limit) reset();
   const double passed = updated_ ? std::max(0.0, seconds(stamp - *updated_)) : 0;
   updated_ = stamp;
   for (std::size_t s = 0; s < sources_.size(); ++s) {
     sources_[s].before.swap(sources_[s].surfaces);
     sources_[s].surfaces.clear();
-    if (sweeps[s] != nullptr) find_source(*sweeps[s], places[s], sources_[s]);
+    if (sweeps[s] != nullptr) find_source(*sweeps[s], viewpoints[s], sources_[s]);
   }
   for (std::size_t i = 0; i < pairs_.size(); ++i) {
     const std::size_t first = pairs_[i].first, second = pairs_[i].second;
     if (sweeps[first] == nullptr || sweeps[second] == nullptr) continue;
     if (deskewed || (sources_[first].stands() && sources_[second].stands()))
-      compare(i, places[second] - places[first], stamp, std::exp(-passed / memory_s));
+      compare(i, viewpoints[second] - viewpoints[first], stamp, std::exp(-passed / memory_s));
   }
 }
 

@@ -12,6 +12,7 @@
 #include "core/base/time.h"
 #include "core/evidence/placed_scan.h"
 #include "core/mounts/surface_match.h"
+#include "core/mounts/surroundings.h"
 
 namespace lidard {
 
@@ -40,12 +41,12 @@ class MountCheck {
 
   /// True when the next comparison is due, a few times per second.
   bool is_due(Stamp stamp) const;
-  /// Compares the newest sweeps of the sources (nullptr: none), measured from `places` in the output frame.
-  /// `deskewed`: the sweeps are deskewed to one instant. Otherwise they are compared only while each source's
-  /// own view shows that the vehicle stands, since motion between two sweeps looks like a wrong mount. Resets
-  /// if the stamp jumps back.
+  /// Compares the newest sweeps of the sources (nullptr: none), measured from `viewpoints` in the output
+  /// frame. `deskewed`: the sweeps are deskewed to one instant. Otherwise they are compared only while each
+  /// source's own view shows that the vehicle stands, since motion between two sweeps looks like a wrong
+  /// mount. Resets if the stamp jumps back.
   void update(Stamp stamp, const std::vector<const PlacedScan*>& sweeps,
-              const std::vector<Eigen::Vector2d>& places, bool deskewed);
+              const std::vector<Eigen::Vector2d>& viewpoints, bool deskewed);
   void reset();
 
   /// One per pair of sources; `surfaces` is 0 while they have none in common.
@@ -64,12 +65,12 @@ class MountCheck {
     double square = 0;                                 // of the corrections, in their deviations
     void add(const MatchedPose& look, const Eigen::Vector3d& off, Stamp stamp, double kept);
   };
-  struct Source : SeenPlace {  // in the newest comparison
+  struct Source : Surroundings {  // in the newest comparison
     Source() { views.resize(1); }
     std::vector<Surface> before;  // the surfaces of the comparison before
     bool stands() const;
   };
-  void find_source(const PlacedScan& sweep, const Eigen::Vector2d& place, Source& source);
+  void find_source(const PlacedScan& sweep, const Eigen::Vector2d& viewpoint, Source& source);
   MatchedPose match(std::size_t pair, const PlanarPose& configured, Stamp stamp);
   void compare(std::size_t pair, const Eigen::Vector2d& offset, Stamp stamp, double kept);
   static void assess(const Memory& memory, MountDifference& pair);

@@ -8,14 +8,15 @@
 #include <optional>
 #include <vector>
 
-#include "core/mounts/placement.h"
+#include "core/mounts/planar_pose.h"
+#include "core/mounts/surroundings.h"
 
 namespace lidard {
 
 /// A sensor whose mount is to be found: what it sees and where it is configured to be, in the plane of
 /// base_frame.
 struct MountedSensor {
-  SeenPlace place;
+  Surroundings seen;
   PlanarPose configured;
 };
 
@@ -31,7 +32,7 @@ enum class MountVerdict : std::uint8_t {
   reference,    ///< the pose is kept as configured
   found,        ///< along the determined directions
   uncertain,    ///< known no better than configured poses are
-  ambiguous,    ///< the surfaces fit as well at another place
+  ambiguous,    ///< the surfaces fit as well at another pose
   unconnected,  ///< shares no surfaces with a sensor that is connected to the reference
 };
 

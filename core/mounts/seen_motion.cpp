@@ -7,6 +7,7 @@
 
 #include "core/base/angle.h"
 #include "core/mounts/surface_match.h"
+#include "core/mounts/surroundings.h"
 
 namespace lidard {
 namespace {
@@ -24,7 +25,7 @@ constexpr std::size_t fewest_compared = 60, in_a_row = 2;
 /// A sweep and what of it is not of the ground.
 struct Look {
   std::vector<Surface> surfaces;
-  std::vector<SeenPlace> rings;
+  std::vector<Surroundings> rings;
 };
 
 Look look_of(const DriveSweep& sweep, const Eigen::Matrix3d& tilt, double lowest) {

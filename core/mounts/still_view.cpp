@@ -136,7 +136,7 @@ std::vector<StillView> StillScans::views(const Eigen::Matrix3d& tilt) const {
   for (std::size_t r = 0; r < rings_.size(); ++r) {
     StillView view;
     const std::size_t usual = stride(rings_[r]);
-    view.ring = r, view.step = std::abs(step_) * static_cast<double>(usual), view.is_closed = is_cloud();
+    view.ring = r, view.step = std::abs(step_) * static_cast<double>(usual);
     std::size_t empty = 0;
     for (std::size_t i = 0; i < rings_[r].size(); ++i) {
       const Samples& samples = rings_[r][i];

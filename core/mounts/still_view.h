@@ -25,9 +25,8 @@ struct StillBeam {
 /// What one laser of a sensor sees, beams by growing or falling azimuth.
 struct StillView {
   std::vector<StillBeam> beams;
-  double step = 0;         ///< rad between neighbouring beams
-  std::size_t ring = 0;    ///< of a multi-plane lidar
-  bool is_closed = false;  ///< the last beam is a neighbour of the first
+  double step = 0;       ///< rad between neighbouring beams
+  std::size_t ring = 0;  ///< of a multi-plane lidar
 };
 
 /// Sets the standard deviations of the beams of a single sweep, from how ranges of neighbouring beams

@@ -18,7 +18,7 @@ struct Surface {
   Eigen::Vector2d normal{0, 1};  ///< unit vector, towards the sensor
   double from = 0, to = 0;       ///< m along the surface, from `middle`
   double height = 0;             ///< m above the sensor, mean
-  double var_offset = 0;         ///< m^2, of the place of `middle` across the surface
+  double var_offset = 0;         ///< m^2, of the position of `middle` across the surface
   double var_slope = 0;          ///< rad^2
   /// By how much an offset of the ranges moves the surface across (m/m) and turns it (rad/m).
   double offset_by_range = 0, slope_by_range = 0;
@@ -35,8 +35,8 @@ void find_surfaces(const StillView& view, std::vector<Surface>& surfaces);
 /// higher or lower.
 std::vector<Surface> find_upright(const std::vector<StillView>& views);
 
-/// The normals and places of short lines (9 beams) of the surface, for what the surfaces determine: a curve
-/// shows here.
+/// The normals and positions of short lines (9 beams) of the surface, for what the surfaces determine: a
+/// curve shows here.
 struct LocalLine {
   Eigen::Vector2d middle, normal;
   double var_normal;  ///< rad^2, noise of the normal

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <tuple>
 
 #include "core/base/angle.h"
 
@@ -32,9 +33,8 @@ Vector2d unit(double angle) { return {std::cos(angle), std::sin(angle)}; }
 WallFit::WallFit(std::vector<Sensor> sensors) : sensors_(std::move(sensors)) {
   for (Sensor& sensor : sensors_) {
     sensor.first_offset = offsets_.size();
-    const bool planar = sensor.place->is_planar();
-    offsets_.resize(offsets_.size() + sensor.place->views.size(), 0);
-    offset_sigma_.resize(offsets_.size(), planar ? offset_of_scanner : offset_of_ring);
+    offsets_.resize(offsets_.size() + sensor.seen->views.size(), 0);
+    offset_sigma_.resize(offsets_.size(), sensor.seen->is_planar() ? offset_of_scanner : offset_of_ring);
     sensor.scale = offsets_.size();
     offsets_.push_back(0), offset_sigma_.push_back(scale_of_ranges);
   }
@@ -48,7 +48,7 @@ bool WallFit::find_walls(double gate) {
   };
   std::vector<Candidate> candidates;
   for (std::size_t s = 0; s < sensors_.size(); ++s) {
-    for (const Surface& surface : sensors_[s].place->surfaces) candidates.push_back({s, &surface});
+    for (const Surface& surface : sensors_[s].seen->surfaces) candidates.push_back({s, &surface});
   }
   std::stable_sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
     return a.surface->length() > b.surface->length();
@@ -77,10 +77,8 @@ bool WallFit::find_walls(double gate) {
       nearest->centre = middle, nearest->angle = angle;
       nearest->from = -surface->length() / 2, nearest->to = surface->length() / 2;
     }
-    const Sensor& sensor = sensors_[s];
-    const std::size_t ring = sensor.place->is_planar() ? 0 : surface->ring;
-    sightings_.push_back(
-        {s, static_cast<std::size_t>(nearest - walls_.data()), sensor.first_offset + ring, surface});
+    sightings_.push_back({s, static_cast<std::size_t>(nearest - walls_.data()),
+                          sensors_[s].first_offset + surface->ring, surface});
   }
   std::vector<std::map<std::size_t, double>> seen_by(walls_.size());
   for (const Sighting& sighting : sightings_)
@@ -105,8 +103,8 @@ void WallFit::find_held() {
   for (const Sighting& sighting : sightings_) {
     if (walls_[sighting.wall].sensors < 2) continue;
     const Sensor& sensor = sensors_[sighting.sensor];
-    const std::size_t ring = sensor.place->is_planar() ? 0 : sighting.surface->ring;
-    for (const LocalLine& line : local_lines(sensor.place->views[ring], *sighting.surface))
+    const Surface& surface = *sighting.surface;
+    for (const LocalLine& line : local_lines(sensor.seen->views[surface.ring], surface))
       lines[sighting.sensor].push_back(line);
   }
   for (std::size_t s = 0; s < sensors_.size(); ++s) {
@@ -142,61 +140,95 @@ void WallFit::find_held() {
   }
 }
 
-WallFit::Row WallFit::row_of(const Sighting& sighting) const {
+/// How far a surface is off its wall, m across and rad of slope, and by how much the unknowns change both: at
+/// most 3 of the sensor, 2 of its ranges, 2 of the wall.
+struct WallFit::Residual {
+  double across = 0, slope = 0;
+  std::array<Eigen::Index, 7> unknowns{};
+  std::array<double, 7> on_across{}, on_slope{};
+  std::size_t count = 0;
+
+  void depends_on(Eigen::Index unknown, double by_across, double by_slope) {
+    unknowns[count] = unknown, on_across[count] = by_across, on_slope[count] = by_slope, ++count;
+  }
+};
+
+WallFit::Residual WallFit::residual_of(const Sighting& sighting) const {
   const Sensor& sensor = sensors_[sighting.sensor];
   const Wall& wall = walls_[sighting.wall];
   const Surface& surface = *sighting.surface;
   const Vector2d n = unit(wall.angle), middle = sensor.pose * surface.middle,
                  normal = sensor.pose.turned(surface.normal);
-  const double offset = offsets_[sighting.offset];
-  Row row;
-  row.across = n.dot(middle - wall.centre) - wall.offset + offset * surface.offset_by_range +
-               offsets_[sensor.scale] * surface.normal.dot(surface.middle);
-  row.slope = std::remainder(std::atan2(normal.y(), normal.x()) - wall.angle, two_pi) +
-              offset * surface.slope_by_range;
-  row.lever = {n.x(), n.y(), n.dot(across(middle - sensor.centre)) / sensor.lever};
-  row.by_angle = across(n).dot(middle - wall.centre);
-  return row;
+  const double offset = offsets_[sighting.offset], distance = surface.normal.dot(surface.middle);
+  Residual residual;
+  residual.across = n.dot(middle - wall.centre) - wall.offset + offset * surface.offset_by_range +
+                    offsets_[sensor.scale] * distance;
+  residual.slope = std::remainder(std::atan2(normal.y(), normal.x()) - wall.angle, two_pi) +
+                   offset * surface.slope_by_range;
+  if (!sensor.is_fixed) {
+    residual.depends_on(sensor.first_unknown, n.x(), 0);
+    residual.depends_on(sensor.first_unknown + 1, n.y(), 0);
+    residual.depends_on(sensor.first_unknown + 2, n.dot(across(middle - sensor.centre)) / sensor.lever,
+                        1 / sensor.lever);
+  }
+  residual.depends_on(offsets_unknown_ + static_cast<Eigen::Index>(sighting.offset), surface.offset_by_range,
+                      surface.slope_by_range);
+  residual.depends_on(offsets_unknown_ + static_cast<Eigen::Index>(sensor.scale), distance, 0);
+  residual.depends_on(wall.unknown, -1, 0);
+  residual.depends_on(wall.unknown + 1, across(n).dot(middle - wall.centre), -1);
+  return residual;
 }
 
-void WallFit::step(const Bias& bias, bool moves) {
+/// The normal equations of a step, and what the deviations need.
+struct WallFit::Equations {
+  explicit Equations(Eigen::Index unknowns)
+      : levers(Eigen::MatrixXd::Zero(unknowns, unknowns)), pulls(Eigen::VectorXd::Zero(unknowns)) {}
+
+  Eigen::MatrixXd levers;
+  Eigen::VectorXd pulls;
+  double chi_square = 0, residuals = 0;
+  /// Of the residuals of all rings of a sensor that see a wall.
+  struct Mean {
+    double across = 0, across_weight = 0, slope = 0, slope_weight = 0, bias_slope = 0;
+  };
+  std::map<std::pair<std::size_t, std::size_t>, Mean> means;  // by wall and sensor
+};
+
+WallFit::Equations WallFit::number_unknowns() {
   Eigen::Index unknowns = 0;
   for (Sensor& sensor : sensors_) {
-    sensor.first_unknown = static_cast<std::size_t>(unknowns);
+    sensor.first_unknown = unknowns;
     if (!sensor.is_fixed) unknowns += 3;
   }
-  const Eigen::Index first_offset = unknowns;
+  offsets_unknown_ = unknowns;
   unknowns += static_cast<Eigen::Index>(offsets_.size());
   for (Wall& wall : walls_) {
-    wall.unknown = static_cast<std::size_t>(unknowns);
+    wall.unknown = unknowns;
     if (wall.seen >= 2) unknowns += 2;
   }
-  Eigen::MatrixXd levers = Eigen::MatrixXd::Zero(unknowns, unknowns);
-  Eigen::VectorXd pulls = Eigen::VectorXd::Zero(unknowns);
-  double chi_square = 0;
-  unlikeliness_ = 0;
+  return Equations(unknowns);
+}
+
+/// What is known of the offsets beforehand, and directions that stay as they are.
+void WallFit::add_priors(Equations& equations) {
   for (std::size_t i = 0; i < offsets_.size(); ++i) {
-    const Eigen::Index at = first_offset + static_cast<Eigen::Index>(i);
+    const Eigen::Index at = offsets_unknown_ + static_cast<Eigen::Index>(i);
     const double weight = 1 / (offset_sigma_[i] * offset_sigma_[i]);
-    levers(at, at) += weight, pulls[at] -= weight * offsets_[i];
+    equations.levers(at, at) += weight, equations.pulls[at] -= weight * offsets_[i];
     unlikeliness_ += weight * offsets_[i] * offsets_[i];
   }
   for (const Sensor& sensor : sensors_) {
     if (sensor.is_fixed) continue;
-    const auto at = static_cast<Eigen::Index>(sensor.first_unknown);
-    for (const Vector3d& held : sensor.held) levers.block<3, 3>(at, at) += 1e14 * held * held.transpose();
+    for (const Vector3d& held : sensor.held)
+      equations.levers.block<3, 3>(sensor.first_unknown, sensor.first_unknown) +=
+          1e14 * held * held.transpose();
   }
-  // Of the residuals of all rings of a sensor that see a wall.
-  struct Mean {
-    double across = 0, across_weight = 0, slope = 0, slope_weight = 0, bias_slope = 0;
-  };
-  std::map<std::pair<std::size_t, std::size_t>, Mean> means;
-  double rows = 0;
+}
+
+void WallFit::add_sightings(const Bias& bias, Equations& equations) const {
   for (const Sighting& sighting : sightings_) {
-    const Sensor& sensor = sensors_[sighting.sensor];
-    const Wall& wall = walls_[sighting.wall];
     const Surface& surface = *sighting.surface;
-    const Row row = row_of(sighting);
+    const Residual residual = residual_of(sighting);
     const double length = surface.length();
     const double bias_across = bias.across * bias.across,
                  bias_slope = 12 * bias.turning * bias.turning / (length * length);
@@ -204,81 +236,83 @@ void WallFit::step(const Bias& bias, bool moves) {
     const double own_across = surface.var_offset + bias_across, own_slope = surface.var_slope + bias_slope;
     const double var_across = surface.var_offset + sighting.rings * bias_across,
                  var_slope = surface.var_slope + sighting.rings * bias_slope;
-    const double chi = row.across * row.across / own_across + row.slope * row.slope / own_slope;
+    const double chi =
+        residual.across * residual.across / own_across + residual.slope * residual.slope / own_slope;
     const double trust = (freedom + 2) / (freedom + chi);
-    chi_square += trust * chi / sighting.rings;
-    Mean& mean = means[{sighting.wall, sighting.sensor}];
-    mean.across += row.across / surface.var_offset, mean.across_weight += 1 / surface.var_offset;
-    mean.slope += row.slope / surface.var_slope, mean.slope_weight += 1 / surface.var_slope;
+    equations.chi_square += trust * chi / sighting.rings;
+    Equations::Mean& mean = equations.means[{sighting.wall, sighting.sensor}];
+    mean.across += residual.across / surface.var_offset, mean.across_weight += 1 / surface.var_offset;
+    mean.slope += residual.slope / surface.var_slope, mean.slope_weight += 1 / surface.var_slope;
     mean.bias_slope += bias_slope / sighting.rings;
-    rows += 2 / sighting.rings;
-    // The columns that the two rows touch: at most 3 of the sensor, 2 of its ranges, 2 of the wall.
-    std::array<Eigen::Index, 7> columns{};
-    std::array<double, 7> on_across{}, on_slope{};
-    std::size_t count = 0;
-    const auto touch = [&](std::size_t column, double a, double s) {
-      columns[count] = static_cast<Eigen::Index>(column), on_across[count] = a, on_slope[count] = s, ++count;
-    };
-    if (!sensor.is_fixed) {
-      touch(sensor.first_unknown, row.lever[0], 0);
-      touch(sensor.first_unknown + 1, row.lever[1], 0);
-      touch(sensor.first_unknown + 2, row.lever[2], 1 / sensor.lever);
-    }
-    touch(static_cast<std::size_t>(first_offset) + sighting.offset, surface.offset_by_range,
-          surface.slope_by_range);
-    touch(static_cast<std::size_t>(first_offset) + sensor.scale, surface.normal.dot(surface.middle), 0);
-    touch(wall.unknown, -1, 0);
-    touch(wall.unknown + 1, row.by_angle, -1);
-    for (std::size_t i = 0; i < count; ++i) {
-      for (std::size_t j = 0; j < count; ++j)
-        levers(columns[i], columns[j]) +=
+    equations.residuals += 2 / sighting.rings;
+    const auto& [unknowns, on_across, on_slope] =
+        std::tie(residual.unknowns, residual.on_across, residual.on_slope);
+    for (std::size_t i = 0; i < residual.count; ++i) {
+      for (std::size_t j = 0; j < residual.count; ++j)
+        equations.levers(unknowns[i], unknowns[j]) +=
             trust * (on_across[i] * on_across[j] / var_across + on_slope[i] * on_slope[j] / var_slope);
-      pulls[columns[i]] -=
-          trust * (on_across[i] * row.across / var_across + on_slope[i] * row.slope / var_slope);
+      equations.pulls[unknowns[i]] -=
+          trust * (on_across[i] * residual.across / var_across + on_slope[i] * residual.slope / var_slope);
     }
   }
-  for (const auto& [place, mean] : means) {
+}
+
+void WallFit::step(const Bias& bias, bool moves) {
+  Equations equations = number_unknowns();
+  unlikeliness_ = 0;
+  add_priors(equations);
+  add_sightings(bias, equations);
+  for (const auto& [wall_and_sensor, mean] : equations.means) {
     const double var_across = 1 / mean.across_weight + bias.across * bias.across,
                  var_slope = 1 / mean.slope_weight + mean.bias_slope;
     const double chi = std::pow(mean.across / mean.across_weight, 2) / var_across +
                        std::pow(mean.slope / mean.slope_weight, 2) / var_slope;
     unlikeliness_ += std::log(var_across * var_slope) + (freedom + 2) * std::log1p(chi / freedom);
   }
-  const double spare =
-      std::max(1.0, rows - static_cast<double>(unknowns - static_cast<Eigen::Index>(offsets_.size())));
-  chi_square_ = chi_square / spare;
-  const Eigen::LDLT<Eigen::MatrixXd> solver(levers);
+  const Eigen::Index unknowns = equations.pulls.size();
+  const double spare = std::max(
+      1.0, equations.residuals - static_cast<double>(unknowns - static_cast<Eigen::Index>(offsets_.size())));
+  chi_square_ = equations.chi_square / spare;
+  const Eigen::LDLT<Eigen::MatrixXd> solver(equations.levers);
   unlikeliness_ += solver.vectorD().array().abs().max(1e-300).log().sum();
   // The offsets of rings against each other do not show the bias, which the rings have in common.
   for (const Sensor& sensor : sensors_) {
-    const std::size_t rings = sensor.place->views.size();
-    const auto first = first_offset + static_cast<Eigen::Index>(sensor.first_offset);
-    unlikeliness_ -= (1 - 1 / static_cast<double>(rings)) *
-                     levers.diagonal().segment(first, static_cast<Eigen::Index>(rings)).array().log().sum();
+    const std::size_t rings = sensor.seen->views.size();
+    const auto first = offsets_unknown_ + static_cast<Eigen::Index>(sensor.first_offset);
+    const auto own = equations.levers.diagonal().segment(first, static_cast<Eigen::Index>(rings));
+    unlikeliness_ -= (1 - 1 / static_cast<double>(rings)) * own.array().log().sum();
   }
-  if (!moves) {
-    inverse_ = solver.solve(Eigen::MatrixXd::Identity(unknowns, first_offset));
-    scale_ = std::max(1.0, (prior_freedom + chi_square) / (prior_freedom + spare));
-    return;
+  if (moves) {
+    const Eigen::VectorXd change = solver.solve(equations.pulls);
+    if (change.allFinite()) apply(change);
+  } else {
+    inverse_ = solver.solve(Eigen::MatrixXd::Identity(unknowns, offsets_unknown_));
+    scale_ = std::max(1.0, (prior_freedom + equations.chi_square) / (prior_freedom + spare));
   }
-  const Eigen::VectorXd change = solver.solve(pulls);
-  if (!change.allFinite()) return;
+}
+
+void WallFit::apply(const Eigen::VectorXd& change) {
   for (Sensor& sensor : sensors_) {
-    if (sensor.is_fixed) continue;
-    const auto at = static_cast<Eigen::Index>(sensor.first_unknown);
-    const double turn = change[at + 2] / sensor.lever;
-    const Vector2d arm = Vector2d(sensor.pose.x, sensor.pose.y) - sensor.centre;
-    const Vector2d to =
-        sensor.centre + PlanarPose{0, 0, turn}.turned(arm) + Vector2d(change[at], change[at + 1]);
-    sensor.pose = {to.x(), to.y(), std::remainder(sensor.pose.yaw + turn, two_pi)};
+    if (!sensor.is_fixed) sensor.move(change.segment<3>(sensor.first_unknown));
   }
   for (std::size_t i = 0; i < offsets_.size(); ++i)
-    offsets_[i] += change[first_offset + static_cast<Eigen::Index>(i)];
+    offsets_[i] += change[offsets_unknown_ + static_cast<Eigen::Index>(i)];
   for (Wall& wall : walls_) {
     if (wall.seen < 2) continue;
-    wall.offset += change[static_cast<Eigen::Index>(wall.unknown)];
-    wall.angle += change[static_cast<Eigen::Index>(wall.unknown) + 1];
+    wall.offset += change[wall.unknown];
+    wall.angle += change[wall.unknown + 1];
   }
+}
+
+void WallFit::Sensor::move(const Vector3d& change) {
+  const double turn = change[2] / lever;
+  const Vector2d to = centre + PlanarPose{0, 0, turn}.turned(pose.position() - centre) + change.head<2>();
+  pose = {to.x(), to.y(), std::remainder(pose.yaw + turn, two_pi)};
+}
+
+Vector3d WallFit::Sensor::pose_change(const Vector3d& change) const {
+  const Vector2d arm = across(pose.position() - centre) / lever;
+  return {change[0] + change[2] * arm.x(), change[1] + change[2] * arm.y(), change[2] / lever};
 }
 
 void WallFit::refine(const Bias& bias, int steps) {
@@ -289,13 +323,10 @@ void WallFit::refine(const Bias& bias, int steps) {
 Eigen::Matrix3d WallFit::covariance(std::size_t s) const {
   const Sensor& sensor = sensors_[s];
   if (sensor.is_fixed || inverse_.size() == 0) return Eigen::Matrix3d::Zero();
-  const auto at = static_cast<Eigen::Index>(sensor.first_unknown);
   // From moves about the centre to those of the pose.
-  Eigen::Matrix3d to_pose = Eigen::Matrix3d::Identity();
-  const Vector2d arm = across(Vector2d(sensor.pose.x, sensor.pose.y) - sensor.centre);
-  to_pose(0, 2) = arm.x() / sensor.lever, to_pose(1, 2) = arm.y() / sensor.lever,
-             to_pose(2, 2) = 1 / sensor.lever;
-  const Eigen::Matrix3d own = scale_ * inverse_.block<3, 3>(at, at);
+  Eigen::Matrix3d to_pose;
+  for (int i = 0; i < 3; ++i) to_pose.col(i) = sensor.pose_change(Vector3d::Unit(i));
+  const Eigen::Matrix3d own = scale_ * inverse_.block<3, 3>(sensor.first_unknown, sensor.first_unknown);
   Eigen::Matrix3d result = to_pose * own * to_pose.transpose();
   for (int i = 0; i < 2; ++i) result(i, i) += floor_m * floor_m;
   result(2, 2) += floor_rad * floor_rad;

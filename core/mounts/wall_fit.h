@@ -5,7 +5,8 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "core/mounts/placement.h"
+#include "core/mounts/planar_pose.h"
+#include "core/mounts/surroundings.h"
 
 namespace lidard {
 
@@ -14,14 +15,20 @@ namespace lidard {
 class WallFit {
  public:
   struct Sensor {
-    const SeenPlace* place;
+    const Surroundings* seen;
     PlanarPose pose;
     bool is_fixed = false;
     Eigen::Vector2d centre{0, 0};
     double lever = 1;
     std::vector<Eigen::Vector3d> held;  ///< directions that stay as they are
-    std::size_t first_unknown = 0, first_offset = 0, scale = 0;
-    std::size_t shared = 0;  ///< surfaces on walls that another sensor sees too
+    std::size_t shared = 0;             ///< surfaces on walls that another sensor sees too
+    Eigen::Index first_unknown = 0;
+    std::size_t first_offset = 0, scale = 0;  ///< of its lasers and of their ranges, among the offsets
+
+    /// Moves the pose by (x, y, turn * lever) about the centre.
+    void move(const Eigen::Vector3d& change);
+    /// The change of x, y and yaw by such a move, if it is small.
+    Eigen::Vector3d pose_change(const Eigen::Vector3d& change) const;
   };
 
   explicit WallFit(std::vector<Sensor> sensors);
@@ -53,25 +60,27 @@ class WallFit {
     double offset = 0;  // m along the normal from the centre
     double from = 0, to = 0;
     std::size_t seen = 0, sensors = 0;
-    std::size_t unknown = 0;
+    Eigen::Index unknown = 0;  // of the offset; that of the angle follows
   };
   struct Sighting {
     std::size_t sensor, wall, offset;
     const Surface* surface;
     double rings = 1;  // of the sensor that see the wall: its bias they have in common
   };
-  struct Row {
-    double across, slope;
-    Eigen::Vector3d lever;  // of the sensor's unknowns on `across`
-    double by_angle;        // of the wall's angle on `across`
-  };
-  Row row_of(const Sighting& sighting) const;
+  struct Residual;
+  struct Equations;
+  Residual residual_of(const Sighting& sighting) const;
+  Equations number_unknowns();
+  void add_priors(Equations& equations);
+  void add_sightings(const Bias& bias, Equations& equations) const;
+  void apply(const Eigen::VectorXd& change);
   void step(const Bias& bias, bool moves);
 
   std::vector<Sensor> sensors_;
   std::vector<Wall> walls_;
   std::vector<Sighting> sightings_;
   std::vector<double> offsets_, offset_sigma_;
+  Eigen::Index offsets_unknown_ = 0;  // the first one
   Eigen::MatrixXd inverse_;
   double scale_ = 1, chi_square_ = 0, unlikeliness_ = 0;
 };

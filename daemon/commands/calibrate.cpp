@@ -21,8 +21,8 @@
 namespace lidard {
 namespace {
 
-/// The place that a sensor sees, with the ground of a multi-plane lidar found first.
-MountedSensor place_of(CalibratedSensor& sensor) {
+/// What a sensor sees, with the ground of a multi-plane lidar found first.
+MountedSensor seen_by(CalibratedSensor& sensor) {
   if (sensor.is_cloud) {
     sensor.ground = find_ground(sensor.scans.points(), sensor.before);
     if (sensor.ground) sensor.tilt = tilt_to(sensor.ground->up);
@@ -30,16 +30,16 @@ MountedSensor place_of(CalibratedSensor& sensor) {
   MountedSensor mounted;
   mounted.configured = sensor.configured();
   if (sensor.scans.frames() == 0) return mounted;
-  mounted.place.views = sensor.scans.views(sensor.tilt);
+  mounted.seen.views = sensor.scans.views(sensor.tilt);
   if (sensor.is_cloud)
-    mounted.place.surfaces = find_upright(mounted.place.views);
+    mounted.seen.surfaces = find_upright(mounted.seen.views);
   else
-    find_surfaces(mounted.place.views[0], mounted.place.surfaces);
-  mounted.place.height = sensor.ground ? sensor.ground->height : sensor.before.translation().z();
+    find_surfaces(mounted.seen.views[0], mounted.seen.surfaces);
+  mounted.seen.height = sensor.ground ? sensor.ground->height : sensor.before.translation().z();
   return mounted;
 }
 
-/// The base poses and time offsets that the drive shows, from the places that the stop shows.
+/// The base poses and time offsets that the drive shows, from the poses that the stop shows.
 void solve(std::vector<CalibratedSensor>& sensors, std::size_t reference, Drive& drive) {
   std::vector<DrivenSensor> driven;
   for (std::size_t i = 0; i < sensors.size(); ++i) {
@@ -151,7 +151,7 @@ int calibrate(const CalibrateOptions& options, std::ostream& out, std::ostream& 
   if (driven == nullptr) require_standing(sensors);
   std::vector<MountedSensor> mounted;
   mounted.reserve(sensors.size());
-  for (CalibratedSensor& sensor : sensors) mounted.push_back(place_of(sensor));
+  for (CalibratedSensor& sensor : sensors) mounted.push_back(seen_by(sensor));
   const MountSolution solution = solve_mounts(mounted, reference);
   for (std::size_t i = 0; i < sensors.size(); ++i) {
     sensors[i].estimate = solution.sensors[i];

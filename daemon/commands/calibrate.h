@@ -45,7 +45,7 @@ struct CalibratedSensor {
   MountEstimate estimate;
   DriveEstimate drive;
   bool is_cloud = false;
-  bool is_held = false;  // by the reference, since the stop shows its place against it
+  bool is_held = false;  // by the reference, since the stop shows its pose against it
 
   CalibratedSensor(const SensorConfig& sensor, const Pose& pose)
       : config(&sensor), before(pose), after(pose), tilt(tilt_of(pose.linear())) {}

@@ -30,8 +30,8 @@ std::string stop_sentence(const CalibratedSensor& sensor) {
       return "the reference: x, y and yaw stay as configured";
     case MountVerdict::uncertain:
       return fmt::format(
-          "x, y, yaw: not determined: known to {:.0f} mm and {:.2f} deg only; park where walls stand in more "
-          "directions",
+          "x, y, yaw: not determined: known to {:.0f} mm and {:.2f} deg only; park where walls stand in "
+          "more directions",
           1000 * std::max(sigma_of(e, 0), sigma_of(e, 1)), deg_per_rad * sigma_of(e, 2));
     case MountVerdict::ambiguous:
       return "x, y, yaw: not determined: what it sees fits as well at another place (a bare rectangle, a "
@@ -57,7 +57,7 @@ std::string stop_sentence(const CalibratedSensor& sensor) {
                             100 * e.as_configured.share(), 100 * e.as_found.share());
 }
 
-/// What the drive shows of the place in base_frame and of the time offset.
+/// What the drive shows of the position in base_frame and of the time offset.
 std::string drive_sentence(const CalibratedSensor& sensor, const Drive& drive) {
   std::string missing;
   for (std::size_t i = 0; i < drive_names.size(); ++i) {
@@ -75,8 +75,7 @@ std::string calibration_sentence(const CalibratedSensor& sensor, const Drive* dr
   if (sensor.left_out > 0)
     grids = fmt::format(
         "; {} of {} scans of the stop are left out: their beams or angles differ from those of the first "
-        "scan; "
-        "record with unchanged settings of the scanner",
+        "scan; record with unchanged settings of the scanner",
         sensor.left_out, sensor.left_out + sensor.scans.frames());
   if (drive == nullptr) return stop_sentence(sensor) + grids;
   std::string text = sensor.scans.frames() == 0

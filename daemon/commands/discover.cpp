@@ -55,7 +55,7 @@ struct Listener {
 
 /// A TCP connection to a possible device.
 struct Asked {
-  DiscoverPlace place;
+  DiscoverTarget target;
   std::string question;
   tcp::socket socket;
   std::array<char, 2048> chunk{};
@@ -70,13 +70,13 @@ class Search {
   }
 
   std::vector<FoundDevice> run() {
-    for (const DiscoverPlace& place : options_.places) {
-      if (place.how->transport == Transport::tcp)
-        ask(place);
-      else if (place.to.address == IpAddress())
-        broadcast(place);
+    for (const DiscoverTarget& target : options_.targets) {
+      if (target.how->transport == Transport::tcp)
+        ask(target);
+      else if (target.to.address == IpAddress())
+        broadcast(target);
       else
-        send(place, IpAddress(), IpAddress());
+        send(target, IpAddress(), IpAddress());
     }
     io_.run_for(std::chrono::milliseconds(std::llround(options_.wait * 1000)));
     std::sort(found_.begin(), found_.end(),
@@ -87,30 +87,30 @@ class Search {
 
  private:
   /// Sends a datagram from the address of every interface, so that answers return to it.
-  void broadcast(DiscoverPlace place) {
+  void broadcast(DiscoverTarget target) {
     ifaddrs* all = nullptr;
     if (::getifaddrs(&all) != 0) return;
     for (const ifaddrs* each = all; each != nullptr; each = each->ifa_next) {
       const bool usable = each->ifa_addr != nullptr && each->ifa_addr->sa_family == AF_INET &&
                           (each->ifa_flags & IFF_UP) != 0 && (each->ifa_flags & IFF_BROADCAST) != 0;
       if (!usable) continue;
-      place.to.address = address_of(each->ifa_broadaddr);
-      send(place, address_of(each->ifa_addr), address_of(each->ifa_netmask));
+      target.to.address = address_of(each->ifa_broadaddr);
+      send(target, address_of(each->ifa_addr), address_of(each->ifa_netmask));
     }
     ::freeifaddrs(all);
   }
 
-  void send(const DiscoverPlace& place, const IpAddress& own, const IpAddress& mask) {
-    const auto listener = std::make_shared<Listener>(Listener{*place.how, udp::socket(io_)});
+  void send(const DiscoverTarget& target, const IpAddress& own, const IpAddress& mask) {
+    const auto listener = std::make_shared<Listener>(Listener{*target.how, udp::socket(io_)});
     udp::socket& socket = listener->socket;
     Error error;
     socket.open(udp::v4(), error);
     socket.set_option(asio::socket_base::broadcast(true), error);
     socket.bind({to_asio(own), 0}, error);
-    socket.send_to(asio::buffer(place.how->question(key_, own, mask)),
-                   {to_asio(place.to.address), place.to.port}, 0, error);
+    socket.send_to(asio::buffer(target.how->question(key_, own, mask)),
+                   {to_asio(target.to.address), target.to.port}, 0, error);
     if (error) return;
-    asked_.push_back(place.to.to_string());
+    asked_.push_back(target.to.to_string());
     listen(listener);
   }
 
@@ -124,14 +124,14 @@ class Search {
                                         });
   }
 
-  void ask(const DiscoverPlace& place) {
+  void ask(const DiscoverTarget& target) {
     const auto asked = std::make_shared<Asked>(
-        Asked{place, place.how->question(key_, IpAddress(), IpAddress()), tcp::socket(io_)});
-    asked_.push_back(place.to.to_string());
-    asked->socket.async_connect({to_asio(place.to.address), place.to.port}, [this,
-                                                                             asked](const Error& error) {
+        Asked{target, target.how->question(key_, IpAddress(), IpAddress()), tcp::socket(io_)});
+    asked_.push_back(target.to.to_string());
+    asked->socket.async_connect({to_asio(target.to.address), target.to.port}, [this,
+                                                                               asked](const Error& error) {
       if (error == asio::error::network_unreachable)
-        asked_.erase(std::remove(asked_.begin(), asked_.end(), asked->place.to.to_string()), asked_.end());
+        asked_.erase(std::remove(asked_.begin(), asked_.end(), asked->target.to.to_string()), asked_.end());
       if (error) return;
       asio::async_write(asked->socket, asio::buffer(asked->question),
                         [this, asked](const Error& failed, std::size_t) {
@@ -145,7 +145,7 @@ class Search {
         asio::buffer(asked->chunk), [this, asked](const Error& error, std::size_t size) {
           if (error) return;
           asked->stream.append(asked->chunk.data(), size);
-          const bool is_whole = keep(*asked->place.how, ByteView(asked->stream), asked->place.to.address);
+          const bool is_whole = keep(*asked->target.how, ByteView(asked->stream), asked->target.to.address);
           if (!is_whole && asked->stream.size() <= longest_answer) read(asked);
         });
   }
@@ -191,13 +191,12 @@ int run_discover(const DiscoverOptions& options, std::ostream& out, std::ostream
   print(found, options.json, out);
   if (!found.empty()) return 0;
   err << "nothing answered within " << options.wait << " s from";
-  for (const std::string& place : search.asked()) err << ' ' << place;
+  for (const std::string& target : search.asked()) err << ' ' << target;
   err << (search.asked().empty() ? " anywhere: no interface is up" : "")
       << "; check power and cable, give this computer an address in the device's network, or name the "
-         "device's "
-         "address";
-  for (const DiscoverPlace& place : options.places) {
-    if (!place.how->usual_address.empty()) err << " with --" << place.how->name;
+         "device's address";
+  for (const DiscoverTarget& target : options.targets) {
+    if (!target.how->usual_address.empty()) err << " with --" << target.how->name;
   }
   err << '\n';
   return 1;

@@ -10,13 +10,13 @@
 namespace lidard {
 
 /// The destination of one kind of search.
-struct DiscoverPlace {
+struct DiscoverTarget {
   const Discovery* how = nullptr;
   Endpoint to{};  ///< without an address: broadcast on every interface
 };
 
 struct DiscoverOptions {
-  std::vector<DiscoverPlace> places;
+  std::vector<DiscoverTarget> targets;
   double wait = 2;  ///< s
   bool json = false;
 };

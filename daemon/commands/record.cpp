@@ -106,8 +106,7 @@ void report(pcap_t* capture, const RecordOptions& options, std::uint64_t packets
   err << '\n';
   if (packets == 0)
     err << "nothing came from the sensors; check addresses, ports and cables, `lidard inspect` on a "
-           "recording "
-           "of everything (tcpdump -w) shows what is there\n";
+           "recording of everything (tcpdump -w) shows what is there\n";
 }
 
 }  // namespace

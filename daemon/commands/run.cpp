@@ -245,22 +245,21 @@ class Daemon {
     box_.poll(now, host, [this] { return events_json(journal_); });
   }
   /// Names of the hanging threads.
-  std::string standing_threads() {
-    std::string standing = ros_.standing_threads();
-    if (clouds_.stands_still())
-      standing += (standing.empty() ? "" : ", ") + std::string("the thread of clouds");
-    return standing;
+  std::string stalled_threads() {
+    std::string stalled = ros_.stalled_threads();
+    if (clouds_.is_stalled()) stalled += (stalled.empty() ? "" : ", ") + std::string("the thread of clouds");
+    return stalled;
   }
   void feed_watchdog() {
     const auto now = std::chrono::steady_clock::now();
-    const std::string standing = standing_threads();
-    if (standing.empty()) {
+    const std::string stalled = stalled_threads();
+    if (stalled.empty()) {
       service_.alive();
       fed_ = now;
-      reported_standing_ = false;
-    } else if (now - fed_ > longest_round && !reported_standing_) {
-      log_error("the watchdog is not fed, since for 1 s there stands still: {}", standing);
-      reported_standing_ = true;
+      reported_stall_ = false;
+    } else if (now - fed_ > longest_round && !reported_stall_) {
+      log_error("the watchdog is not fed, since these have not moved for 1 s: {}", stalled);
+      reported_stall_ = true;
     }
   }
   void leave_name_to_others() {
@@ -296,7 +295,7 @@ class Daemon {
   int ticks_ = 0;
   int exit_code_ = exit_ok;
   std::chrono::steady_clock::time_point fed_ = std::chrono::steady_clock::now();
-  bool reported_standing_ = false;
+  bool reported_stall_ = false;
   const Stamp started_ = clock_.now();
   const std::string history_ = service_history();
   RuntimeSocket socket_;

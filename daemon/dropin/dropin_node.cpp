@@ -59,7 +59,7 @@ std::string usage_of(const Dropin& dropin) {
 }
 
 bool asks_for_help(const std::string& argument) { return argument == "--help" || argument == "-h"; }
-bool means_something(const std::string& argument) { return argument.find(":=") != std::string::npos; }
+bool is_assignment(const std::string& argument) { return argument.find(":=") != std::string::npos; }
 
 /// Handles --help and rejects arguments that are neither parameters nor remappings; returns the exit code
 /// then.
@@ -69,9 +69,9 @@ std::optional<int> answer(const Dropin& dropin, const Arguments& arguments, std:
     out << usage_of(dropin);
     return exit_ok;
   }
-  const auto strange = std::find_if_not(arguments.begin(), arguments.end(), means_something);
-  if (strange == arguments.end()) return std::nullopt;
-  err << "'" << *strange << "' is neither a parameter nor a remapping\n" << usage_of(dropin);
+  const auto unknown = std::find_if_not(arguments.begin(), arguments.end(), is_assignment);
+  if (unknown == arguments.end()) return std::nullopt;
+  err << "'" << *unknown << "' is neither a parameter nor a remapping\n" << usage_of(dropin);
   return exit_usage;
 }
 
@@ -84,7 +84,7 @@ int run_setup(const Dropin& dropin, const Arguments& arguments, std::ostream& ou
   DropinSetup setup = dropin.setup(parameters);
   for (const auto& warning : setup.warnings) log_warn("{}", warning);
   for (const auto& remark : setup.remarks) log_info("{}", remark);
-  const std::string yaml = setup.yaml();
+  const std::string yaml = setup.keys.yaml();
   log_info("the same as a configuration for `lidard run`:\n{}", yaml);
   const Config config = parse_config(yaml, "parameters of " + node);
   // Several drop-ins run beside each other.

@@ -16,19 +16,45 @@ namespace lidard {
 namespace {
 
 constexpr const char* serial =
-    "lidard reads no serial port (there is no ~ip_address); it stays in a launch file, `topic` reads its "
-    "scan";
+    "lidard reads no serial port (there is no ~ip_address); it stays in a launch file, "
+    "`topic` reads its scan";
 
-/// The package of the node, by the name in the launch file or by that of the executable, as of a fork.
+/// The package of the node, by the name in the launch file or by that of the executable, as of a fork. Empty
+/// for other executables of the package too.
 std::string_view package_name(const LaunchNode& node) {
   for (const std::string& given : {node.package, node.type}) {
     for (const MovedPackage& package : moved_packages()) {
-      const auto names = split_words(package.packages);
-      if (!given.empty() && std::find(names.begin(), names.end(), given) != names.end()) return package.name;
+      const auto names = split_words(package.packages), types = split_words(package.types);
+      if (given.empty() || std::find(names.begin(), names.end(), given) == names.end()) continue;
+      const bool is_known = node.type.empty() || types.empty() ||
+                            std::any_of(types.begin(), types.end(), [&](const std::string& part) {
+                              return node.type.find(part) != std::string::npos;
+                            });
+      return is_known ? package.name : std::string_view();
     }
   }
   return {};
 }
+
+/// Nodes that read topics of other nodes are imported after these: those that filter, those that cut, those
+/// that merge. 0: a node that reads no topic.
+int stage_of(const LaunchNode& node) {
+  const std::string_view package = package_name(node);
+  if (package == "laser_filters") return 1;
+  if (package == "pointcloud_to_laserscan") return 2;
+  return package == "ira_laser_tools" || package == "cob_scan_unifier" ? 3 : 0;
+}
+
+constexpr std::string_view input_topic = "packet_topic";  // the others are of outputs
+constexpr std::string_view topic_keys[] = {input_topic,
+                                           "scan_topic",
+                                           "points_topic",
+                                           "raw_topic",
+                                           "extended_scan_topic",
+                                           "output_paths_topic",
+                                           "cloud_destination_topic",
+                                           "scan_destination_topic",
+                                           "output_laser_topic"};
 
 /// The tables of velodyne_pointcloud/params (1.7.0) that equal those of the models here: clouds differ by at
 /// most 0.07 mm, from the rounding of angles in VLP16_hires_db.yaml. A folder elsewhere may hold another
@@ -54,21 +80,13 @@ class Importer {
   }
 
   ImportedConfig run() {
-    std::vector<const LaunchNode*> late;
-    for (const LaunchNode& node : launch_.nodes) {
-      attempt(node, [&] {
-        if (!import_node(node)) late.push_back(&node);
-      });
+    for (const int stage : {0, 1, 2, 3}) {
+      for (const LaunchNode& node : launch_.nodes) {
+        if (stage_of(node) == stage) attempt(node, stage == 0 ? &Importer::import_node : &Importer::add_tool);
+      }
     }
-    // Nodes that filter, those that cut and those that merge are imported after their sources.
-    const auto rank = [](const LaunchNode* node) {
-      const std::string_view package = package_name(*node);
-      return package == "laser_filters" ? 0 : package == "pointcloud_to_laserscan" ? 1 : 2;
-    };
-    std::stable_sort(late.begin(), late.end(), [&](auto* a, auto* b) { return rank(a) < rank(b); });
-    for (const LaunchNode* node : late) attempt(*node, [&] { add_laser_tools(*node); });
-    poses_.place(config_);
-    auto& vehicle = section(config_.keys, "vehicle");
+    poses_.apply(config_);
+    auto& vehicle = config_.keys.vehicle;
     for (auto& [frame, box] : boxes_) {
       const bool is_vehicle = frame == text_of(vehicle, "base_frame");
       if (is_vehicle) vehicle.emplace_back("footprint", box);
@@ -82,10 +100,9 @@ class Importer {
 
  private:
   /// Reports a node that cannot be imported; the others are imported.
-  template <class Step>
-  void attempt(const LaunchNode& node, const Step& step) {
+  void attempt(const LaunchNode& node, void (Importer::*import)(const LaunchNode&)) {
     try {
-      step();
+      (this->*import)(node);
     } catch (const ConfigError& trouble) {
       config_.changes.push_back(node.name + " was not imported: " + trouble.what());
     }
@@ -103,22 +120,14 @@ class Importer {
     if (word == "velodyne_transform" || word == "velodyne_convert") node.package = "velodyne_pointcloud";
   }
 
-  /// False for a node that reads topics of other nodes.
-  bool import_node(const LaunchNode& node) {
+  void import_node(const LaunchNode& node) {
     const std::string_view package = package_name(node);
-    const auto is_type = [&](const char* part) {
-      return node.type.empty() || node.type.find(part) != std::string::npos;
-    };
-    if (package == "ira_laser_tools" || package == "cob_scan_unifier" ||
-        (package == "pointcloud_to_laserscan" && is_type("pointcloud_to_laserscan")) ||
-        (package == "laser_filters" && (is_type("scan_to_scan") || is_type("ScanToScan"))))
-      return false;
     if (package == "sick_safetyscanners") {
       add_sensor(node, safety_scanners_setup(node.parameters));
-    } else if (package == "urg_node" && (is_type("urg_node") || is_type("UrgNode"))) {
+    } else if (package == "urg_node") {
       if (!has_value(node, "ip_address") && !has_value(node, "laser_ip_address")) throw ConfigError(serial);
       add_sensor(node, urg_node_setup(node.parameters));
-    } else if (package == "sick_scan_xd" && (is_type("sick_generic") || is_type("sick_scan"))) {
+    } else if (package == "sick_scan_xd") {
       add_sensor(node, sick_scan_setup(node.parameters));
     } else if (package == "LMS1xx") {
       add_sensor(node, lms1xx_setup(node.parameters));
@@ -140,7 +149,6 @@ class Importer {
       config_.stays.push_back(node.name + " (" + node.package + "/" + node.type +
                               ") is no node of a lidar that is known here; it stays in a launch file");
     }
-    return true;
   }
 
   static bool has_value(const LaunchNode& node, const char* name) {
@@ -160,42 +168,39 @@ class Importer {
   void add_sensor(const LaunchNode& node, DropinSetup setup) {
     remark(node, setup);
     for (const StaticTransform& one : setup.transforms) poses_.add_driver(node, one);
-    for (auto& [name, value] : section(setup.keys, "sensors")) {
-      auto& sensor = std::get<KeyMap>(value);
-      for (const char* key : {"scan_topic", "points_topic", "packet_topic", "raw_topic",
-                              "extended_scan_topic", "output_paths_topic"}) {
-        if (auto* topic = find_key(sensor, key); topic != nullptr)
-          *topic = node.resolved(text_of(sensor, key));
-      }
-      drop_shared_topics(node, sensor);
-      section(config_.keys, "sensors").emplace_back(free_name(node), std::move(sensor));
-      ++config_.entries;
-    }
-    const std::string source = section(config_.keys, "sensors").back().first;
-    for (auto& cloud : section(setup.keys, "merged_scans"))
-      add_cloud(node, source, std::get<KeyMap>(cloud.second));
+    auto& [name, sensor] = setup.keys.sensors.front();
+    resolve_topics(node, sensor);
+    drop_shared_topics(node, sensor);
+    name = free_name(node);
+    for (auto& cloud : setup.keys.merged_scans) add_cloud(node, name, cloud.second);
+    config_.keys.sensors.push_back(std::move(setup.keys.sensors.front()));
   }
 
   /// Adds the cloud of a planar scanner as a merged scan with one source.
   void add_cloud(const LaunchNode& node, const std::string& source, KeyMap& entry) {
     *find_key(entry, "laserscan_topics") = KeyList{source};
-    *find_key(entry, "cloud_destination_topic") = node.resolved(text_of(entry, "cloud_destination_topic"));
+    resolve_topics(node, entry);
     drop_shared_topics(node, entry);
     if (find_key(entry, "cloud_destination_topic") == nullptr) return;
-    section(config_.keys, "merged_scans").emplace_back(free_name(node, "_cloud"), std::move(entry));
-    ++config_.entries;
+    config_.keys.merged_scans.emplace_back(free_name(node, "_cloud"), std::move(entry));
+  }
+
+  static void resolve_topics(const LaunchNode& node, KeyMap& entry) {
+    for (const std::string_view key : topic_keys) {
+      if (const std::string topic = text_of(entry, key); !topic.empty())
+        *find_key(entry, key) = node.resolved(topic);
+    }
   }
 
   /// Two nodes may publish on one topic, two sensors may not: only the first sensor keeps a shared topic.
   void drop_shared_topics(const LaunchNode& node, KeyMap& entry) {
-    for (const char* key :
-         {"scan_topic", "points_topic", "raw_topic", "extended_scan_topic", "output_paths_topic",
-          "cloud_destination_topic", "scan_destination_topic", "output_laser_topic"}) {
+    for (const std::string_view key : topic_keys) {
       const std::string topic = text_of(entry, key);
-      if (topic.empty() || topics_.insert(topic).second) continue;
+      if (topic.empty() || key == input_topic || topics_.insert(topic).second) continue;
       erase_key(entry, key);
-      config_.changes.push_back(node.name + ": " + key + " was left out, since another node publishes on " +
-                                topic + " too; name a topic of its own");
+      config_.changes.push_back(node.name + ": " + std::string(key) +
+                                " was left out, since another node publishes on " + topic +
+                                " too; name a topic of its own");
     }
   }
 
@@ -228,7 +233,7 @@ class Importer {
     DropinSetup setup = velodyne_node_setup(parameters);
     if (is_fed)
       setup.warnings.emplace_back("packets come from packet_topic: the file has no driver of the Velodyne");
-    auto& sensor = std::get<KeyMap>(section(setup.keys, "sensors").front().second);
+    auto& sensor = setup.keys.sensors.front().second;
     if (scan == nullptr && !node.package.empty() && node.package != "velodyne_node") {
       for (const char* key : {"scan_ring", "scan_resolution", "scan_topic"}) erase_key(sensor, key);
     }
@@ -239,7 +244,7 @@ class Importer {
     }
     for (const auto& capture : setup.replay.captures)
       setup.warnings.push_back("parameter ~pcap: `lidard replay -c THIS --pcap " + capture + "` plays it");
-    auto& vehicle = section(setup.keys, "vehicle");
+    auto& vehicle = setup.keys.vehicle;
     const std::string fixed = text_of(vehicle, "odometry_frame");
     if (const auto set = poses_.set_odometry(fixed, text_of(vehicle, "base_frame"));
         set != fixed && !fixed.empty())
@@ -250,13 +255,12 @@ class Importer {
   }
 
   /// The sensor that publishes the topic, itself or through filters; nullptr: none.
-  std::pair<std::string, KeyValue>* publisher_of(const std::string& topic) {
+  std::pair<std::string, KeyMap>* publisher_of(const std::string& topic) {
     const auto view = views_.find(topic);
-    for (auto& one : section(config_.keys, "sensors")) {
-      auto& sensor = std::get<KeyMap>(one.second);
+    for (auto& one : config_.keys.sensors) {
       if (view != views_.end() && view->second.first == one.first) return &one;
       for (const char* key : {"scan_topic", "points_topic", "topic"}) {
-        if (text_of(sensor, key) == topic) return &one;
+        if (text_of(one.second, key) == topic) return &one;
       }
     }
     return nullptr;
@@ -268,7 +272,7 @@ class Importer {
     const bool is_filter = package == "laser_filters";
     if (is_filter || package == "pointcloud_to_laserscan") {
       auto* const source = publisher_of(node.resolved(is_filter ? "scan" : "cloud_in"));
-      KeyMap sensor = source == nullptr ? KeyMap() : std::get<KeyMap>(source->second);
+      KeyMap sensor = source == nullptr ? KeyMap() : source->second;
       const std::string moved = text_of(sensor, "points_frame");
       const std::string frame = moved.empty() ? text_of(sensor, "frame_id") : moved;
       return is_filter ? scan_filters_setup(node.parameters, frame) : flat_scan_setup(node.parameters, frame);
@@ -279,23 +283,19 @@ class Importer {
     return is_merger ? laser_merger_setup(node.parameters) : laser_virtualizer_setup(node.parameters);
   }
 
-  void add_laser_tools(const LaunchNode& node) {
+  void add_tool(const LaunchNode& node) {
     DropinSetup setup = tool_setup(node);
     remark(node, setup);
-    auto& vehicle = section(setup.keys, "vehicle");
+    auto& vehicle = setup.keys.vehicle;
     poses_.set_base(text_of(vehicle, "base_frame"));
     if (auto* const box = find_key(vehicle, "footprint")) boxes_[text_of(vehicle, "box_frame")] = *box;
-    const bool is_merger = find_key(setup.keys, "merged_scans") != nullptr;
-    const char* const kind = is_merger ? "merged_scans" : "virtual_scans";
-    auto& entry = std::get<KeyMap>(section(setup.keys, kind).front().second);
-    for (const char* key : {"scan_destination_topic", "cloud_destination_topic", "output_laser_topic"}) {
-      if (const auto topic = text_of(entry, key); !topic.empty())
-        *find_key(entry, key) = node.resolved(topic);
-    }
+    const bool is_merger = !setup.keys.merged_scans.empty();
+    auto& entry = (is_merger ? setup.keys.merged_scans : setup.keys.virtual_scans).front().second;
+    resolve_topics(node, entry);
     KeyList sources;
     KeyMap windows;
-    for (auto& [name, value] : section(setup.keys, "sensors")) {
-      const std::string topic = node.resolved(text_of(std::get<KeyMap>(value), "topic"));
+    for (auto& [name, sensor] : setup.keys.sensors) {
+      const std::string topic = node.resolved(text_of(sensor, "topic"));
       const auto* const publisher = publisher_of(topic);
       const std::string source = publisher != nullptr         ? publisher->first
                                  : names_.insert(name).second ? name
@@ -303,10 +303,7 @@ class Importer {
       const bool is_output = publisher == nullptr && topics_.count(topic) > 0;
       if (is_output && (!is_merger || cuts_.count(topic) == 0))
         throw ConfigError("it reads " + topic + ", an output of a merged scan; it stays in a launch file");
-      if (publisher == nullptr && !is_output) {
-        section(config_.keys, "sensors").emplace_back(source, KeyMap{{"topic", topic}});
-        ++config_.entries;
-      }
+      if (publisher == nullptr && !is_output) config_.keys.sensors.push_back({source, {{"topic", topic}}});
       sources.emplace_back(is_output ? topic : source);
       KeyMap window = views_[topic].second;
       if (auto* const own = find_key(entry, "window")) {
@@ -321,8 +318,8 @@ class Importer {
     if (!windows.empty()) entry.emplace_back("source_settings", windows);
     drop_shared_topics(node, entry);
     if (!is_merger) cuts_.insert(text_of(entry, "output_laser_topic"));
-    section(config_.keys, kind).emplace_back(free_name(node), std::move(entry));
-    ++config_.entries;
+    (is_merger ? config_.keys.merged_scans : config_.keys.virtual_scans)
+        .emplace_back(free_name(node), std::move(entry));
   }
 
   std::map<std::string, KeyValue> boxes_;  // corners by frames
@@ -335,14 +332,8 @@ class Importer {
 };
 
 std::string file_text(const std::string& file, const ImportedConfig& config) {
-  KeyMap filled;
-  for (const char* name : {"vehicle", "sensors", "merged_scans", "virtual_scans"}) {
-    for (const auto& one : config.keys) {
-      if (one.first == name && !std::get<KeyMap>(one.second).empty()) filled.push_back(one);
-    }
-  }
   std::string text =
-      "# Made by `lidard import " + file.substr(file.rfind('/') + 1) + "`.\n" + yaml_text(filled);
+      "# Made by `lidard import " + file.substr(file.rfind('/') + 1) + "`.\n" + config.keys.yaml();
   const auto add = [&text](const char* title, const std::vector<std::string>& list) {
     text += list.empty() ? "" : title;
     for (std::string remark : list) {
@@ -358,7 +349,8 @@ std::string file_text(const std::string& file, const ImportedConfig& config) {
 
 int import_file(const ImportOptions& options, std::ostream& err) {
   const ImportedConfig config = import_nodes(read_launch(options.file, options.arguments));
-  if (config.entries == 0) {
+  const std::size_t entries = config.entries();
+  if (entries == 0) {
     for (const auto* list : {&config.changes, &config.stays, &config.remarks}) {
       for (const auto& remark : *list) err << remark << '\n';
     }
@@ -373,7 +365,7 @@ int import_file(const ImportOptions& options, std::ostream& err) {
   TextFile file(options.output);
   file.write(text);
   file.close();
-  err << config.entries << (config.entries == 1 ? " entry" : " entries") << "; below the configuration "
+  err << entries << (entries == 1 ? " entry" : " entries") << "; below the configuration "
       << config.changes.size() << " on what changes for the robot, " << config.stays.size()
       << " on what stays in a launch file, " << config.remarks.size() << " on what is no longer needed\n";
   return exit_ok;

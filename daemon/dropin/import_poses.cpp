@@ -45,7 +45,7 @@ const ImportPoses::Transform* ImportPoses::above(const std::string& frame) const
   return up == transforms_.end() ? nullptr : &*up;
 }
 
-/// The pose of the frame in the base frame, through a chain of transforms. It ends, since place() refuses
+/// The pose of the frame in the base frame, through a chain of transforms. It ends, since apply() rejects
 /// loops.
 std::optional<Pose> ImportPoses::pose_of(std::string frame, std::string& root) {
   Pose pose = Pose::Identity();
@@ -79,8 +79,8 @@ void ImportPoses::refuse_loops() const {
 /// Where no node names it, base_link or the root of a sensor.
 void ImportPoses::choose_base(ImportedConfig& config) {
   std::string root, found;
-  for (auto& [name, value] : section(config.keys, "sensors")) {
-    const std::string frame = without_slash(text_of(std::get<KeyMap>(value), "frame_id"));
+  for (auto& [name, sensor] : config.keys.sensors) {
+    const std::string frame = without_slash(text_of(sensor, "frame_id"));
     if (!base_.empty() || frame.empty()) continue;
     base_ = "base_link";
     const bool is_below = pose_of(frame, root).has_value();
@@ -89,17 +89,15 @@ void ImportPoses::choose_base(ImportedConfig& config) {
   }
   set_base(found);
   set_base(moved_);
-  for (auto& [name, value] : section(config.keys, "virtual_scans"))
-    set_base(std::get<std::string>(
-        std::get<KeyList>(*find_key(std::get<KeyMap>(value), "virtual_laser_scan")).front()));
+  for (auto& [name, entry] : config.keys.virtual_scans)
+    set_base(std::get<std::string>(std::get<KeyList>(*find_key(entry, "virtual_laser_scan")).front()));
 }
 
-void ImportPoses::place(ImportedConfig& config) {
+void ImportPoses::apply(ImportedConfig& config) {
   refuse_loops();
   choose_base(config);
   std::string root;
-  for (auto& [name, value] : section(config.keys, "sensors")) {
-    auto& sensor = std::get<KeyMap>(value);
+  for (auto& [name, sensor] : config.keys.sensors) {
     const std::string frame = without_slash(text_of(sensor, "frame_id"));
     const auto pose = frame.empty() || frame == base_ ? std::nullopt : pose_of(frame, root);
     if (!pose) continue;
@@ -109,8 +107,7 @@ void ImportPoses::place(ImportedConfig& config) {
       config.changes.push_back("sensors." + name + ": `pose` makes " + base_ + " the parent of " + frame +
                                ", which is " + last.fixed.parent + " by " + last.publisher + "; keep one");
   }
-  for (auto& [name, value] : section(config.keys, "virtual_scans")) {
-    auto& entry = std::get<KeyMap>(value);
+  for (auto& [name, entry] : config.keys.virtual_scans) {
     KeyMap poses;
     for (const KeyValue& given : std::get<KeyList>(*find_key(entry, "virtual_laser_scan"))) {
       const std::string frame = without_slash(std::get<std::string>(given));
@@ -121,15 +118,15 @@ void ImportPoses::place(ImportedConfig& config) {
   report_unused(config);
   if (base_ == "map")
     config.changes.emplace_back("vehicle.base_frame is map, the default of sick_scan_xd; name yours");
-  if (!base_.empty()) section(config.keys, "vehicle").emplace_back("base_frame", base_);
-  if (!odometry_.empty()) section(config.keys, "vehicle").emplace_back("odometry_frame", odometry_);
+  if (!base_.empty()) config.keys.vehicle.emplace_back("base_frame", base_);
+  if (!odometry_.empty()) config.keys.vehicle.emplace_back("odometry_frame", odometry_);
 }
 
 /// Transforms that no sensor and no virtual scan hangs from.
 void ImportPoses::report_unused(ImportedConfig& config) {
   std::map<std::string, std::string> owners;
-  for (auto& [name, sensor] : section(config.keys, "sensors"))
-    owners.emplace(without_slash(text_of(std::get<KeyMap>(sensor), "frame_id")), "sensors." + name + ": ");
+  for (auto& [name, sensor] : config.keys.sensors)
+    owners.emplace(without_slash(text_of(sensor, "frame_id")), "sensors." + name + ": ");
   for (const Transform& one : transforms_) {
     const auto owner = owners.find(one.fixed.child);
     const Transform* const instead = above(one.fixed.child);

@@ -15,11 +15,15 @@ namespace lidard {
 /// A configuration equivalent to nodes of other packages. The lists contain every parameter, pose and node
 /// without counterpart.
 struct ImportedConfig {
-  KeyMap keys;                       ///< by section
+  Sections keys;
   std::vector<std::string> changes;  ///< changes of outputs, poses and topics
   std::vector<std::string> stays;    ///< nodes and transforms that are needed in a launch file as before
   std::vector<std::string> remarks;  ///< parameters and nodes that are not needed
-  std::size_t entries = 0;           ///< sensors, merged and virtual scans
+
+  /// The number of sensors, merged and virtual scans.
+  std::size_t entries() const {
+    return keys.sensors.size() + keys.merged_scans.size() + keys.virtual_scans.size();
+  }
 };
 
 /// The static transforms of imported nodes, and the poses that they make in a configuration.
@@ -38,7 +42,7 @@ class ImportPoses {
     return odometry_;
   }
   /// Sets all poses and the vehicle's keys, and reports the other transforms. Throws ConfigError for a loop.
-  void place(ImportedConfig& config);
+  void apply(ImportedConfig& config);
 
  private:
   struct Transform {

@@ -12,6 +12,8 @@
 
 #include "core/base/nearest.h"
 #include "core/base/number_text.h"
+#include "daemon/config/values.h"
+#include "drivers/registry/registry.h"
 
 namespace lidard {
 namespace {
@@ -108,7 +110,7 @@ std::vector<MovedPackage> read_table() {
     const std::string_view row = rest.substr(0, rest.find('\n'));
     rest.remove_prefix(std::min(rest.size(), row.size() + 1));
     const auto [kind, a, b, c, d, e] = cells_of(row);
-    if (kind == "package") packages.push_back({a, b, c, d, {}, {}});
+    if (kind == "package") packages.push_back({a, b, c, d, e, {}, {}});
     if (kind == "topic") packages.back().topics.push_back({a, b, c});
     if (kind != "parameter") continue;
     for (const Conversion& one : conversions) {
@@ -116,14 +118,6 @@ std::vector<MovedPackage> read_table() {
     }
   }
   return packages;
-}
-
-bool takes_key(const Model& model, std::string_view name) {
-  SensorConfig any;
-  const Keys keys = sensor_keys(any);
-  return std::any_of(keys.begin(), keys.end(), [&](const Key& key) {
-    return key.name == name && (!key.trait || model.has(*key.trait));
-  });
 }
 
 }  // namespace
@@ -170,7 +164,15 @@ std::string moved_markdown() {
   return out.str();
 }
 
-std::string DropinSetup::yaml() const { return yaml_text(keys); }
+std::string Sections::yaml() const {
+  KeyMap filled;
+  if (!vehicle.empty()) filled.emplace_back("vehicle", vehicle);
+  for (const auto& [name, entries] :
+       {std::pair("sensors", &sensors), {"merged_scans", &merged_scans}, {"virtual_scans", &virtual_scans}}) {
+    if (!entries->empty()) filled.emplace_back(name, KeyMap(entries->begin(), entries->end()));
+  }
+  return yaml_text(filled);
+}
 
 std::vector<std::string> split_words(std::string_view list) {
   std::vector<std::string> words;
@@ -195,11 +197,6 @@ void erase_key(KeyMap& map, std::string_view key) {
             map.end());
 }
 
-KeyMap& section(KeyMap& keys, const std::string& name) {
-  if (find_key(keys, name) == nullptr) keys.emplace_back(name, KeyMap());
-  return std::get<KeyMap>(*find_key(keys, name));
-}
-
 std::string entry_name(const std::string& topic) {
   std::string name;
   for (const char c : topic) {
@@ -218,21 +215,21 @@ std::string unique_name(const std::string& name, std::set<std::string>& used) {
 
 KeyValue copied(const std::string& value) { return value.empty() ? KeyValue() : KeyValue(value); }
 
-KeyValue as_frame(const std::string& value) {
-  return copied(!value.empty() && value.front() == '/' ? value.substr(1) : value);
+KeyValue as_frame(const std::string& value) { return copied(without_slash(value)); }
+
+const Model& model_named(const ModelNames& names, const std::string& parameter, const std::string& value) {
+  if (const Model* const ours = find_model(value); ours != nullptr) return *ours;
+  std::string known;
+  for (const ModelName& one : names) {
+    if (value == one.theirs) return *find_model(one.ours);
+    known.append(known.empty() ? "" : ", ").append(one.theirs);
+  }
+  throw ConfigError("parameter ~" + parameter + " is '" + value +
+                    "', which lidard does not support; expected one of " + known +
+                    ", or a name from `lidard models`");
 }
 
-void drop_rejected(const Model& model, KeyMap& sensor, DropinSetup& setup) {
-  const auto is_rejected = [&](const auto& one) {
-    if (takes_key(model, one.first)) return false;
-    setup.warnings.push_back("key " + one.first + " was left out: a " + std::string(model.product) +
-                             " has no use for it");
-    return true;
-  };
-  sensor.erase(std::remove_if(sensor.begin(), sensor.end(), is_rejected), sensor.end());
-}
-
-std::optional<std::string> ParameterReader::find(const std::string& name) {
+std::optional<std::string> Translation::find(const std::string& name) {
   known_.push_back(name);
   const auto found = left_.find(name);
   if (found == left_.end()) return std::nullopt;
@@ -241,11 +238,11 @@ std::optional<std::string> ParameterReader::find(const std::string& name) {
   return value;
 }
 
-std::string ParameterReader::text(const std::string& name, const std::string& missing) {
+std::string Translation::text(const std::string& name, const std::string& missing) {
   return find(name).value_or(missing);
 }
 
-double ParameterReader::number(const std::string& name, double missing) {
+double Translation::number(const std::string& name, double missing) {
   const std::string given = text(name, "");
   if (given.empty()) return missing;
   const auto value = number_in<double>(given);
@@ -254,14 +251,14 @@ double ParameterReader::number(const std::string& name, double missing) {
   return *value;
 }
 
-bool ParameterReader::flag(const std::string& name, const std::string& missing) {
+bool Translation::flag(const std::string& name, const std::string& missing) {
   const std::string given = lower(text(name, missing));
   if (given == "true" || given == "1") return true;
   if (given == "false" || given == "0" || given.empty()) return false;
   throw ConfigError("parameter ~" + name + " is '" + given + "'; expected true or false");
 }
 
-void ParameterReader::report_without_counterpart(const MovedParameter& row, DropinSetup& setup) {
+void Translation::report_without_counterpart(const MovedParameter& row) {
   constexpr std::size_t most = 6, longest = 40;  // what a reader looks at; a parameter may be a long list
   std::string given;
   std::size_t count = 0;
@@ -281,7 +278,7 @@ void ParameterReader::report_without_counterpart(const MovedParameter& row, Drop
                  " no effect: " + std::string(row.remark));
 }
 
-std::vector<std::string> ParameterReader::given_names(std::string_view list) {
+std::vector<std::string> Translation::given_names(std::string_view list) {
   std::vector<std::string> names;
   for (std::string& name : split_words(list)) {
     if (name.back() != '*') {
@@ -296,9 +293,9 @@ std::vector<std::string> ParameterReader::given_names(std::string_view list) {
   return names;
 }
 
-void ParameterReader::move(std::string_view package, KeyMap& entry, DropinSetup& setup) {
+void Translation::move(std::string_view package, KeyMap& entry) {
   for (const MovedParameter& row : moved_package(package).parameters) {
-    if (row.key.empty()) report_without_counterpart(row, setup);
+    if (row.key.empty()) report_without_counterpart(row);
     if (row.key.empty() || row.convert == nullptr) continue;
     for (const std::string& name : given_names(row.names)) {
       const auto value = find(name);
@@ -308,13 +305,14 @@ void ParameterReader::move(std::string_view package, KeyMap& entry, DropinSetup&
   }
 }
 
-void ParameterReader::remark_on_rest(std::vector<std::string>& warnings) const {
+DropinSetup Translation::finish() {
   const std::vector<std::string_view> names(known_.begin(), known_.end());
   for (const auto& [name, value] : left_) {
     const std::string near(nearest_word(name, names));
-    warnings.push_back("parameter ~" + name + " is not known and has no effect" +
-                       (near.empty() ? "" : "; did you mean ~" + near + "?"));
+    warn("parameter ~" + name + " is not known and has no effect" +
+         (near.empty() ? "" : "; did you mean ~" + near + "?"));
   }
+  return std::move(setup);
 }
 
 }  // namespace lidard

@@ -18,16 +18,23 @@ namespace lidard {
 /// Values of a node's private parameters as text, by name; elements of a list are separated by blanks.
 using NodeParameters = std::map<std::string, std::string>;
 
+/// The keys of a configuration by section, and in most sections by entry.
+struct Sections {
+  using Entries = std::vector<std::pair<std::string, KeyMap>>;
+  KeyMap vehicle;
+  Entries sensors, merged_scans, virtual_scans;
+
+  /// The text of a configuration file, without empty sections.
+  std::string yaml() const;
+};
+
 /// The equivalent of the parameters of another package's node.
 struct DropinSetup {
-  KeyMap keys;                              ///< the configuration, by section
+  Sections keys;
   ReplayOptions replay;                     ///< replay of a capture; without captures: live
   std::vector<std::string> warnings;        ///< changes of behaviour
   std::vector<std::string> remarks;         ///< parameters that are not needed
   std::vector<StaticTransform> transforms;  ///< published by the node
-
-  /// The text of a configuration file.
-  std::string yaml() const;
 };
 
 /// Parameters of another driver with the same conversion: a row of config/moving_over.tsv.
@@ -52,6 +59,7 @@ struct MovedPackage {
   std::string_view packages;  ///< names in launch files and of lidard's executables, separated by blanks
   std::string_view source;    ///< source of the lists of parameters and topics
   std::string_view needed;    ///< parameters of which a parameter file of the package has one
+  std::string_view types;     ///< parts of the names of its executables that are translated; empty: all
   std::vector<MovedParameter> parameters;
   std::vector<MovedTopic> topics;
 };
@@ -68,10 +76,11 @@ std::string moved_markdown();
 /// The words of a list, separated by blanks.
 std::vector<std::string> split_words(std::string_view list);
 
-/// Reads a node's private parameters; parameters that were not read are unknown.
-class ParameterReader {
+/// The translation of a node's private parameters: reads them and collects their equivalent. Parameters that
+/// were not read are unknown.
+class Translation {
  public:
-  explicit ParameterReader(NodeParameters parameters) : left_(std::move(parameters)) {}
+  explicit Translation(NodeParameters parameters) : left_(std::move(parameters)) {}
 
   /// The value, or `missing` if the parameter is not set.
   std::string text(const std::string& name, const std::string& missing);
@@ -81,14 +90,18 @@ class ParameterReader {
   double number(const std::string& name, double missing);
   bool flag(const std::string& name, const std::string& missing = "false");
   /// Converts parameters by the table of the package into `entry` and reports those without counterpart.
-  void move(std::string_view package, KeyMap& entry, DropinSetup& setup);
-  /// Reports parameters that were not read.
-  void remark_on_rest(std::vector<std::string>& warnings) const;
+  void move(std::string_view package, KeyMap& entry);
+  /// Reports a change of behaviour.
+  void warn(std::string text) { setup.warnings.push_back(std::move(text)); }
+  /// The setup, which reports parameters that were not read.
+  DropinSetup finish();
+
+  DropinSetup setup;
 
  private:
   /// The names of a row; a * at the end is replaced by all given names that match.
   std::vector<std::string> given_names(std::string_view list);
-  void report_without_counterpart(const MovedParameter& row, DropinSetup& setup);
+  void report_without_counterpart(const MovedParameter& row);
 
   NodeParameters left_;
   std::vector<std::string> known_;
@@ -99,8 +112,6 @@ KeyValue* find_key(KeyMap& map, std::string_view key);
 /// The text of a key; empty: it has none.
 std::string text_of(KeyMap& map, std::string_view key);
 void erase_key(KeyMap& map, std::string_view key);
-/// The section of that name, which is added if it is missing.
-KeyMap& section(KeyMap& keys, const std::string& name);
 
 /// Converts a topic to the name of an entry in a configuration.
 std::string entry_name(const std::string& topic);
@@ -112,8 +123,14 @@ KeyValue copied(const std::string& value);
 /// The same for a frame, without the leading slash of old versions of tf.
 KeyValue as_frame(const std::string& value);
 
-/// Removes and reports keys that the sensor's model does not accept.
-void drop_rejected(const Model& model, KeyMap& sensor, DropinSetup& setup);
+/// Another package's name of a model, and the name here.
+struct ModelName {
+  std::string_view theirs, ours;
+};
+using ModelNames = std::vector<ModelName>;
+/// The model that the value of `parameter` names, in the package or here; throws ConfigError with these
+/// names.
+const Model& model_named(const ModelNames& names, const std::string& parameter, const std::string& value);
 
 /// Translates the parameters of laserscan_multi_merger (ira_laser_tools 1.0.7), with its defaults and limits.
 /// This and the following functions throw ConfigError for impossible values.

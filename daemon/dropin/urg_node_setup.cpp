@@ -5,32 +5,30 @@
 namespace lidard {
 
 DropinSetup urg_node_setup(const NodeParameters& parameters) {
-  DropinSetup setup;
-  ParameterReader reader(parameters);
+  Translation node(parameters);
   KeyMap sensor{{"model", "hokuyo_scip"}};
-  setup.remarks.emplace_back(
+  node.setup.remarks.emplace_back(
       "model hokuyo_scip asks the scanner what it is; a UAM-05LP, which speaks another protocol, is "
       "hokuyo_uam_05lp");
-  std::string prefix = reader.text("tf_prefix", "");
+  std::string prefix = node.text("tf_prefix", "");
   while (!prefix.empty() && prefix.front() == '/') prefix.erase(0, 1);
-  const std::string frame = reader.text("frame_id", reader.text("laser_frame_id", "laser"));
+  const std::string frame = node.text("frame_id", node.text("laser_frame_id", "laser"));
   // As tf::resolve(): a frame with a leading slash has no prefix.
   const bool is_absolute = prefix.empty() || frame.rfind('/', 0) == 0;
   sensor.emplace_back("frame_id", as_frame(is_absolute ? frame : prefix + "/" + frame));
   for (const char* name : {"angle_min", "angle_max"}) {
-    if (const auto value = reader.find(name)) sensor.emplace_back(name, copied(*value));
+    if (const auto value = node.find(name)) sensor.emplace_back(name, copied(*value));
   }
-  reader.move("urg_node", sensor, setup);
+  node.move("urg_node", sensor);
   if (find_key(sensor, "ip_address") == nullptr) {
-    setup.warnings.emplace_back(
+    node.warn(
         "no ip_address: urg_node read a serial port, which lidard does not; 192.168.0.10 stands in for it");
     sensor.emplace_back("ip_address", "192.168.0.10");
   }
   if (find_key(sensor, "calibrate_time") == nullptr) sensor.emplace_back("calibrate_time", false);
   sensor.emplace_back("scan_topic", "scan");
-  setup.keys = {{"sensors", KeyMap{{"urg_node", std::move(sensor)}}}};
-  reader.remark_on_rest(setup.warnings);
-  return setup;
+  node.setup.keys.sensors = {{"urg_node", std::move(sensor)}};
+  return node.finish();
 }
 
 }  // namespace lidard

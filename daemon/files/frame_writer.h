@@ -40,7 +40,7 @@ class FrameWriter {
 };
 
 /// The path of a file of many, whose number stands where printf() would put it: DIR/%06d.pcd. Nothing if the
-/// path has no such place.
+/// path has no such placeholder.
 std::optional<std::string> numbered_path(const std::string& path, std::uint64_t number);
 
 /// `path` "-" is standard output. Throws std::runtime_error naming the path if it cannot be opened.

@@ -146,9 +146,9 @@ class NumberedPcd final : public FrameWriter {
 }  // namespace
 
 std::optional<std::string> numbered_path(const std::string& path, std::uint64_t number) {
-  static const std::regex place("%(0?[1-9]?)d");
+  static const std::regex placeholder("%(0?[1-9]?)d");
   std::smatch found;
-  if (!std::regex_search(path, found, place)) return std::nullopt;
+  if (!std::regex_search(path, found, placeholder)) return std::nullopt;
   return found.prefix().str() + fmt::format(fmt::runtime("{:" + found[1].str() + "d}"), number) +
          found.suffix().str();
 }

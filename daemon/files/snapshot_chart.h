@@ -86,11 +86,11 @@ class Chart {
   Eigen::Vector2d to_page(const Eigen::Vector2f& meters) const {
     return to_page(Eigen::Vector2d(meters.cast<double>()));
   }
-  /// True if a place on the page lies in the field.
+  /// True if a position on the page lies in the field.
   bool shows(const Eigen::Vector2d& p) const {
     return Eigen::AlignedBox2d(corner_, corner_ + size_).contains(p);
   }
-  /// A colour for a place on the page.
+  /// A colour for a position on the page.
   struct Dot {
     Eigen::Vector2d at;
     Color color;
@@ -133,7 +133,7 @@ class Chart {
   void rectangle(double x, double y, double width, double height) {
     cairo_rectangle(pen_, x, y, width, height);
   }
-  /// Points and lines from now on occupy their places for label_where_free().
+  /// Points and lines from now on occupy their positions for label_where_free().
   void begin_marks() { marks_.assign(static_cast<std::size_t>(columns() * (size_.y() / mark_size + 1)), 0); }
 
   void move_to(const Eigen::Vector2d& p) {
@@ -198,7 +198,7 @@ class Chart {
     cairo_new_path(pen_);
   }
   /// text() with a white edge, to be readable on any background; moved into the field, and up or down to a
-  /// place without a label.
+  /// position without a label.
   void label(Eigen::Vector2d p, const std::string& words, double size, const Color& color,
              Align align = Align::left) {
     const double width = text_width(words, size), wanted = p.y();
@@ -217,16 +217,16 @@ class Chart {
       p.y() = wanted + (n % 2 == 0 ? 1 : -1) * (n / 2 + 1) * size / 2;
     edged_text(p, words, size, color, box());
   }
-  /// text() with a white edge around the first of `places` where nothing stands, else where the least does,
-  /// but not upon another label; nothing if that is nowhere in the field.
-  void label_where_free(const std::vector<Eigen::Vector2d>& places, const std::string& words, double size,
+  /// text() with a white edge around the first of `positions` where nothing stands, else where the least
+  /// does, but not on another label; nothing if no position of the field remains.
+  void label_where_free(const std::vector<Eigen::Vector2d>& positions, const std::string& words, double size,
                         const Color& color) {
     const Eigen::AlignedBox2d field(corner_, corner_ + size_);
     const Eigen::Vector2d half(text_width(words, size) / 2 + 4, size / 2 + 3);
     std::optional<Eigen::AlignedBox2d> best;
     std::size_t fewest = 0;
-    for (const Eigen::Vector2d& place : places) {
-      const Eigen::AlignedBox2d box(place - half, place + half);
+    for (const Eigen::Vector2d& position : positions) {
+      const Eigen::AlignedBox2d box(position - half, position + half);
       const bool is_taken = std::any_of(labels_.begin(), labels_.end(),
                                         [&](const auto& other) { return other.intersects(box); });
       if (is_taken || !field.contains(box)) continue;

@@ -119,7 +119,7 @@ std::vector<LegendRow> legend_of(const SnapshotView& view, double ring_step) {
   return rows;
 }
 
-/// Places of the parts of a picture, in pixels; the field has the shape of the area shown.
+/// Positions of the parts of a picture, in pixels; the field has the shape of the area shown.
 struct Layout {
   double width, height;  // of the field
   double ring_step;      // m
@@ -210,12 +210,12 @@ class Painter {
   }
   /// Near to a diagonal, where the axes and usually the vehicle are not.
   void ring_labels() {
-    constexpr int places = 90;
+    constexpr int candidates = 90;
     for (double r = layout_.ring_step; r < view_.framing.center.norm() + shown() * 1.3;
          r += layout_.ring_step) {
       std::vector<Vector2d> all;
-      for (int i = 1; i <= places; ++i) {
-        const double angle = -0.7 + two_pi / places * (i % 2 == 0 ? i / 2 : -(i / 2));
+      for (int i = 1; i <= candidates; ++i) {
+        const double angle = -0.7 + two_pi / candidates * (i % 2 == 0 ? i / 2 : -(i / 2));
         all.push_back(chart_.to_page(Vector2d(r * std::cos(angle), r * std::sin(angle))));
       }
       chart_.label_where_free(all, meters(r), 12, pale);
@@ -308,8 +308,8 @@ class Painter {
     const Vector2d at = chart_.to_page(sensor.at);
     // Names stand beside the vehicle, on the sensor's side.
     const bool left = sensor.at.y() > 0.05 || (std::abs(sensor.at.y()) <= 0.05 && index % 2 == 1);
-    const Vector2d place = at + Vector2d(left ? -10 : 10, sensor.at.x() < -0.5 ? 14 : -6);
-    chart_.label(place, sensor.name, 13, color, left ? Align::right : Align::left);
+    const Vector2d beside = at + Vector2d(left ? -10 : 10, sensor.at.x() < -0.5 ? 14 : -6);
+    chart_.label(beside, sensor.name, 13, color, left ? Align::right : Align::left);
   }
   void heading() {
     chart_.text({field_left, 34}, view_.title, 21, ink, Align::left, true);

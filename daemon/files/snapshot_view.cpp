@@ -18,7 +18,7 @@ namespace {
 
 using Role = SnapshotView::Role;
 
-/// A scan older by this than the others shows the vehicle's surroundings of another place, s.
+/// A scan older by this than the others shows surroundings that the vehicle has left, s.
 constexpr double noticeably_older = 0.02;
 
 /// The shares of counts, %, whose sum is 100: the largest remainders are rounded up.
@@ -117,7 +117,7 @@ class Gatherer {
     }
     // The message may be in another frame than the lidar.
     Pose pose;
-    if (!place(cloud->frame_id, cloud->stamp, pose)) return;
+    if (!find_pose(cloud->frame_id, cloud->stamp, pose)) return;
     auto& layer = add_layer(Role::cloud, topic,
                             what + ", " + std::to_string(cloud->size()) + " points" + age(cloud->stamp));
     const Eigen::Isometry3f to_base = pose.cast<float>();
@@ -133,7 +133,7 @@ class Gatherer {
   }
   void add_mark(const SensorConfig& sensor, Role role, std::size_t number) {
     Pose pose;
-    if (!place(sensor.frame_id, frames_.newest(), pose)) return;
+    if (!find_pose(sensor.frame_id, frames_.newest(), pose)) return;
     view_.sensors.push_back({sensor.name, pose.translation().head<2>(), role, number});
   }
   void add_merged(const MergedScanConfig& merged) {
@@ -165,7 +165,7 @@ class Gatherer {
       return nullptr;
     }
     Pose pose;
-    if (!place(frame, scan->stamp, pose)) return nullptr;
+    if (!find_pose(frame, scan->stamp, pose)) return nullptr;
     auto& layer =
         add_layer(role, topic, what + ", " + std::to_string(scan->beams) + " beams" + age(scan->stamp));
     if (role != Role::input) layer.dot = 3;
@@ -206,7 +206,7 @@ class Gatherer {
   }
   void shade(const PlanarScan& scan) {
     Pose pose;
-    if (!place(scan.frame_id, scan.stamp, pose)) return;
+    if (!find_pose(scan.frame_id, scan.stamp, pose)) return;
     const double half = std::abs(static_cast<double>(scan.angle_increment)) / 2;
     for (std::size_t i = 0; i < scan.beams; ++i) {
       const BeamStatus status = scan.statuses[i];
@@ -220,7 +220,7 @@ class Gatherer {
       view_.wedges.push_back(wedge);
     }
   }
-  bool place(const std::string& frame, Stamp stamp, Pose& pose) {
+  bool find_pose(const std::string& frame, Stamp stamp, Pose& pose) {
     std::string why;
     if (poses_.find(config_.vehicle.base_frame, frame, stamp, pose, why)) return true;
     view_.missing.push_back(frame + " is not drawn: " + why);

@@ -85,7 +85,7 @@ void CloudWorker::forward(const std::string& source, const PlanarScan& scan, Sta
   });
 }
 
-bool CloudWorker::stands_still() {
+bool CloudWorker::is_stalled() {
   const std::uint64_t rounds = loop_.rounds();
   if (thread_.joinable() && rounds == rounds_) return true;
   rounds_ = rounds;

@@ -36,7 +36,7 @@ class CloudWorker {
   /// does not have it. Thread-safe.
   bool post(const std::string& sensor, std::function<void(Pipeline&, Stamp)> task);
   /// True if the thread has not moved since the last call that returned false.
-  bool stands_still();
+  bool is_stalled();
   /// Adds the item on scans that are forwarded, if any are.
   void add_items(std::vector<DiagnosticItem>& items) const;
   /// Ends the thread; false if it hangs.

@@ -38,7 +38,7 @@ class DaemonClock {
     const ClockReading reading = read();
     for (Packet& packet : packets) packet.arrival = clock_.steady(packet.received, reading);
   }
-  /// Converts in both directions by the step known so far. Lives as long as anybody has it.
+  /// Converts in both directions by the step known so far. Lives as long as it is used.
   std::shared_ptr<const ClockStep> step() const { return step_; }
   DiagnosticItem item() {
     const std::lock_guard lock(mutex_);

@@ -94,8 +94,8 @@ std::string host_hint(const SensorConfig& sensor, const HostCounts& counts) {
   const std::string who = sensor.ip_address ? sensor.ip_address->to_string() : "the sensor";
   const double unheard = rate(counts.before.without_port, counts.now.without_port, counts.time_s);
   if (unheard >= enough) return text<says::another_port>(unheard, sensor.ip_port, who);
-  const double foreign = rate(counts.before.for_others, counts.now.for_others, counts.time_s);
-  if (foreign >= enough) return text<says::another_address>(foreign, who);
+  const double for_others = rate(counts.before.for_others, counts.now.for_others, counts.time_s);
+  if (for_others >= enough) return text<says::another_address>(for_others, who);
   const auto interfaces = interfaces_of(sensor, counts.now);
   const auto earlier = interfaces_of(sensor, counts.before);
   if (interfaces.size() != 1 || earlier.size() != 1 || interfaces[0]->loopback) return {};

@@ -38,7 +38,7 @@ class HostCauses {
 
   void configure(const Config& config);
   void interfaces_changed() { stale_ = true; }
-  /// As host_trouble(), or why the sensor's port cannot be opened. `sensor`: place in the configuration.
+  /// As host_trouble(), or why the sensor's port cannot be opened. `sensor`: index in the configuration.
   std::string trouble(std::size_t sensor);
   std::string hint(std::size_t sensor);
   /// Call it often; reads the hardware addresses of the sensors once per second.

@@ -29,8 +29,8 @@ bool does_hold(Limit limit, Limit holds) { return holds == Limit::all || holds =
 /// Sends what a sensor measures in the empty field.
 class FieldSensor {
  public:
-  FieldSensor(const SensorConfig& config, const FieldOfView& view, const Pose& place, bool has_reach)
-      : config_(config), view_(view), place_(place) {
+  FieldSensor(const SensorConfig& config, const FieldOfView& view, const Pose& pose, bool has_reach)
+      : config_(config), view_(view), pose_(pose) {
     const double limit = config.driver.max_range, most = config.model->range_max;
     farthest_ = !has_reach ? far_m : limit > 0 ? std::min(limit, most) : most;
     scan_.frame_id = cloud_.frame_id = config.frame_id;
@@ -61,7 +61,7 @@ class FieldSensor {
  private:
   /// m from the sensor to the ground in a direction of its frame.
   double to_ground(const Eigen::Vector3d& direction) const {
-    const double height = place_.translation().z(), climb = (place_.linear() * direction).z();
+    const double height = pose_.translation().z(), climb = (pose_.linear() * direction).z();
     return height > 0 && climb < 0 ? height / -climb : infinite;
   }
   void measure_scan(Stamp begin) {
@@ -106,7 +106,7 @@ class FieldSensor {
 
   const SensorConfig& config_;
   const FieldOfView& view_;
-  Pose place_;
+  Pose pose_;
   double farthest_ = 0;  // m
   bool is_first_ = true;
   PlanarScan scan_;  // or the ring of a lidar that is a scan
@@ -215,14 +215,14 @@ EmptyField::EmptyField(const Config& config, Limit holds) : config_(config), pos
   play(holds);
 }
 
-Pose EmptyField::place_of(const SensorConfig& sensor, Limit holds) const {
+Pose EmptyField::pose_of(const SensorConfig& sensor, Limit holds) const {
   const bool is_scanner = sensor.model->kind == FrameKind::scan;
-  Pose place;
+  Pose pose;
   std::string why;
-  const bool is_placed = poses_.find(config_.vehicle.base_frame, sensor.frame_id, Stamp{}, place, why);
+  const bool has_pose = poses_.find(config_.vehicle.base_frame, sensor.frame_id, Stamp{}, pose, why);
   // Without a height there is no ground.
   const bool has_height = does_hold(is_scanner ? Limit::heights : Limit::elevations, holds);
-  return is_placed && has_height ? place : Pose::Identity();
+  return has_pose && has_height ? pose : Pose::Identity();
 }
 
 /// Every sensor is played as a topic of another driver, which brings frames instead of packets.
@@ -231,8 +231,7 @@ void EmptyField::play(Limit holds) {
   std::vector<FieldSensor> sensors;
   for (std::size_t i = 0; i < config_.sensors.size(); ++i) {
     const SensorConfig& sensor = config_.sensors[i];
-    sensors.emplace_back(sensor, views_[sensor.name], place_of(sensor, holds),
-                         does_hold(Limit::reach, holds));
+    sensors.emplace_back(sensor, views_[sensor.name], pose_of(sensor, holds), does_hold(Limit::reach, holds));
     SensorConfig& topic = played.sensors[i];
     topic.model = topic.driver.model = nullptr;
     topic.topic = topic.name;

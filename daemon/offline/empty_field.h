@@ -49,7 +49,7 @@ class EmptyField {
 
  private:
   void play(Limit holds);
-  Pose place_of(const SensorConfig& sensor, Limit holds) const;
+  Pose pose_of(const SensorConfig& sensor, Limit holds) const;
 
   Config config_;
   NoTransforms no_tf_;

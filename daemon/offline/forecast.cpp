@@ -47,7 +47,7 @@ class Forecast {
     return pose_of(parent, child).has_value();
   }
   /// True if the pose of a source (sensor or virtual scan) in `frame` is configured.
-  bool is_placed(const std::string& source, const std::string& frame) const {
+  bool has_pose(const std::string& source, const std::string& frame) const {
     if (const SensorConfig* sensor = config_.find_sensor(source)) {
       // The frame of another driver's messages is known only at run time.
       if (sensor->model == nullptr && !sensor->pose) return false;
@@ -126,7 +126,7 @@ class Forecast {
   void check(const SensorConfig& sensor) {
     const Value entry = value_at(value_at(root_, "sensors"), sensor.name);
     const std::string& frame = sensor.points_frame;
-    if (frame.empty() || is_placed(sensor.name, frame)) return;
+    if (frame.empty() || has_pose(sensor.name, frame)) return;
     add(entry,
         "the pose of " + sensor.frame_id + " in points_frame " + frame +
             " comes from tf only; without tf (replay --bag, snapshot) its cloud does not come out: take a "
@@ -156,9 +156,9 @@ class Forecast {
     if (is_lost) unknown.insert("destination_frame " + merged.destination_frame);
     std::size_t lost = 0;
     for (const std::string& source : sources) {
-      if (is_placed(source, merged.destination_frame)) continue;
+      if (has_pose(source, merged.destination_frame)) continue;
       ++lost;
-      if (!is_placed(source, config_.vehicle.base_frame)) unknown.insert(source);
+      if (!has_pose(source, config_.vehicle.base_frame)) unknown.insert(source);
       if (!is_known(config_.vehicle.base_frame, merged.destination_frame))
         unknown.insert("destination_frame " + merged.destination_frame);
     }
@@ -178,22 +178,22 @@ class Forecast {
     question_reach(entry, group, proven);
     // Of several each sees where another one is blind.
     if (lidars.size() == 1) question_origins(entry, group, lidars[0]);
-    std::set<std::string> unplaced, unknown;
+    std::set<std::string> without_pose, unknown;
     for (const std::string& lidar : lidars) {
-      if (!is_placed(lidar, vehicle.base_frame)) unplaced.insert(lidar);
+      if (!has_pose(lidar, vehicle.base_frame)) without_pose.insert(lidar);
     }
     std::size_t lost = 0;
     for (const std::string& frame : group.virtual_laser_scan) {
-      const auto placed = static_cast<std::size_t>(std::count_if(
-          lidars.begin(), lidars.end(), [&](const std::string& lidar) { return is_placed(lidar, frame); }));
-      if (placed == lidars.size()) continue;
-      if (placed == 0) ++lost;
+      const auto with_pose = static_cast<std::size_t>(std::count_if(
+          lidars.begin(), lidars.end(), [&](const std::string& lidar) { return has_pose(lidar, frame); }));
+      if (with_pose == lidars.size()) continue;
+      if (with_pose == 0) ++lost;
       if (!is_known(vehicle.base_frame, frame)) unknown.insert(frame);
-      unknown.insert(unplaced.begin(), unplaced.end());
+      unknown.insert(without_pose.begin(), without_pose.end());
     }
     const bool on_vehicle = group.has_visibility() || !vehicle.footprint.empty() || vehicle.has_motion();
-    if (on_vehicle) unknown.insert(unplaced.begin(), unplaced.end());
-    const bool all_lost = on_vehicle && unplaced.size() == lidars.size();
+    if (on_vehicle) unknown.insert(without_pose.begin(), without_pose.end());
+    const bool all_lost = on_vehicle && without_pose.size() == lidars.size();
     check_poses(entry, unknown, all_lost || lost == group.virtual_laser_scan.size());
     check_topics(entry, lidars);
   }

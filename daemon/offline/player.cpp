@@ -64,19 +64,19 @@ bool Player::next(Packet& packet) {
   return true;
 }
 
-const Packet* Player::peek(std::size_t place) {
-  for (Packet packet; held_.size() <= place; held_.emplace_back(packet)) {
+const Packet* Player::peek(std::size_t skipped) {
+  for (Packet packet; held_.size() <= skipped; held_.emplace_back(packet)) {
     if (!capture_.next(packet)) return nullptr;
   }
-  return &held_[place].packet;
+  return &held_[skipped].packet;
 }
 
 bool Player::is_stray(Packet& packet, Span step) {
   constexpr std::size_t most_held = 10'000;
   // Reading ahead invalidates a packet that the capture holds.
   if (!at_hand_) packet.payload = at_hand_.emplace(packet).packet.payload;
-  for (std::size_t place = 0; place < most_held; ++place) {
-    const Packet* const later = peek(place);
+  for (std::size_t skipped = 0; skipped < most_held; ++skipped) {
+    const Packet* const later = peek(skipped);
     if (later == nullptr) break;
     const Span since = later->arrival - round_.hidden - packet.arrival;
     // Half, so that a clock that was set back by just over the limit is not taken for its former self.

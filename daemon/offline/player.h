@@ -62,8 +62,8 @@ class Player {
   bool play_once(const std::function<bool()>& stop);
   /// The next packet, valid until the next call; false at the end of the capture.
   bool next(Packet& packet);
-  /// The packet that follows that at hand after `place` others; nullptr: the capture ends before.
-  const Packet* peek(std::size_t place);
+  /// The packet that follows that at hand after `skipped` others; nullptr: the capture ends before.
+  const Packet* peek(std::size_t skipped);
   /// Whether the packet at hand, which is `step` away from those before, is of another clock: the next ones
   /// continue by the former one.
   bool is_stray(Packet& packet, Span step);

@@ -306,8 +306,7 @@ void RosConnection::restart_after_foreign_stop(MasterClient& master) {
   ++foreign_stops_;
   last_foreign_stop_ = Clock::now();
   log_error(
-      "our ROS node {} was shut down from outside (a node of the same name, or rosnode kill); starting "
-      "again",
+      "our ROS node {} was shut down from outside (a node of the same name, or rosnode kill); starting again",
       node_);
   end_ros(false);
   const Span pause = name_.after_foreign_stop(master);

@@ -35,7 +35,7 @@ class RosConnection {
   RosConnection(const RosConnection&) = delete;
   RosConnection& operator=(const RosConnection&) = delete;
 
-  /// Adds `component`, in the place of `former`, as soon as the master answers. Shared, since the former one
+  /// Adds `component`, in place of `former`, as soon as the master answers. Shared, since the former one
   /// is in use until then.
   void add(std::shared_ptr<RosComponent> component, std::shared_ptr<RosComponent> former = nullptr);
   void start();
@@ -60,9 +60,9 @@ class RosConnection {
   bool has_master() const { return master_present_; }
   /// How often this node was shut down from outside.
   std::uint64_t foreign_stops() const { return foreign_stops_; }
-  /// The threads that have not moved since the last call that returned "", see ThreadWatch::standing(). For a
+  /// The threads that have not moved since the last call that returned "", see ThreadWatch::stalled(). For a
   /// watchdog; always to be called by the same thread.
-  std::string standing_threads() { return watch_.standing(master_present_); }
+  std::string stalled_threads() { return watch_.stalled(master_present_); }
   /// Why the node name is not used, see NodeName::conflict(): then there will be no ROS. Else empty.
   std::string conflict() const { return name_.conflict(); }
   /// Ends all within a second. False if the master hangs: then end the process with std::quick_exit, since

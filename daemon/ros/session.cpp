@@ -66,8 +66,8 @@ void RosSession::change(const Config& before, const Config& config) {
 /// Replaces the components whose configuration changed. The servers of dynamic_reconfigure are always new: a
 /// change by hand ends with the next configuration.
 void RosSession::renew(const Config* before, const Config& config) {
-  const auto replace = [this](std::shared_ptr<RosComponent>& place, std::shared_ptr<RosComponent> next) {
-    const auto former = std::exchange(place, next);
+  const auto replace = [this](std::shared_ptr<RosComponent>& component, std::shared_ptr<RosComponent> next) {
+    const auto former = std::exchange(component, next);
     if (former != nullptr) former->retire();
     add(std::move(next), former);
   };

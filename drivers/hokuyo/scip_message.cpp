@@ -308,9 +308,8 @@ std::string explain_status(std::string_view command, std::string_view status) {
   const StatusClass is = class_of(status);
   if (is == StatusClass::verifying)
     return what +
-           "it has stopped measuring to check an error; keep dirt and strong light off its window, it goes "
-           "on by "
-           "itself if the error does not last";
+           "it has stopped measuring to check an error; keep dirt and strong light off its window, it "
+           "goes on by itself if the error does not last";
   if (is == StatusClass::fault)
     return what +
            "it reports hardware trouble; switch its power off and on, and have it repaired if it comes back";

@@ -77,8 +77,8 @@ class VelodyneRecognizer final : public Recognizer {
   /// Reports a product that is not supported, or whose packet period is another model's.
   std::string remark() const override {
     if (packets_ == 0 && telemetry_ > 0)
-      return "telemetry of a Velodyne, but none of its data; check that its laser and motor are on and that "
-             "it "
+      return "telemetry of a Velodyne, but none of its data; check that its laser and motor are "
+             "on and that it "
              "sends data to port " +
              std::to_string(usual_data_port) + " of the same host";
     if (packets_ == 0) return {};

@@ -60,7 +60,7 @@ struct BenchScenario {
   std::optional<Span> step_at{};  ///< the host's clock is set then
   double step_s = 0;
   double slew_ppm = 0;    ///< the host's clock is that much fast for 10 s, from 8 s after the start on
-  bool recorded = false;  ///< the step is in the arrival stamps (a capture), nobody took it out
+  bool recorded = false;  ///< the step is in the arrival stamps (a capture)
 };
 
 struct BenchFigures {
@@ -73,7 +73,7 @@ struct BenchFigures {
   std::size_t jumps = 0;      ///< discontinuities of the stamps as they go out, in host time
   std::uint64_t steps = 0;    ///< that the driver counted
   std::size_t without_truth = 0;
-  DeviceInfo info;  ///< what diagnostics tell in the end
+  DeviceInfo info;  ///< as diagnostics have it at the end
 };
 
 /// Runs a device for `length` of host time on a virtual clock; the same seed gives the same figures.

@@ -167,7 +167,7 @@ sim::ScipDeviceOptions utm() {
 std::unique_ptr<BenchDevice> uam(Stamp start, std::optional<Span> wrap) {
   sim::UamDeviceOptions options;
   options.transit.delay = Span(0);
-  options.processing = Span(0);  // listening cannot tell it, and this device is not asked for its clock
+  options.processing = Span(0);  // listening does not show it, and this device is not asked for its clock
   if (wrap) options.counter_ms = static_cast<std::uint32_t>(-((before + *wrap).count() / 1'000'000));
   return std::make_unique<TcpBenchDevice<sim::UamDevice>>(std::make_unique<sim::UamDevice>(
       options,
@@ -218,7 +218,7 @@ auto udp(Make make, bool turns = false) {
 
 }  // namespace
 
-// The beat of a UST's motor with its counter decides what whole ms tell; 2.5 % of a ms per turn (1000 ppm) is
+// The beat of a UST's motor with its counter decides what whole ms show; 2.5 % of a ms per turn (1000 ppm) is
 // a guess. The one in step shows what a sensor without a beat hides.
 const std::vector<BenchFamily>& bench_families() {
   static const std::vector<BenchFamily> families = {

@@ -9,7 +9,7 @@
 namespace lidard::test {
 
 /// The web server of a Velodyne, without sockets: holds the settings, answers GETs with JSON, takes POSTs,
-/// remembers every request, and misbehaves when told to.
+/// remembers every request, and misbehaves on request.
 class FakeVelodyne {
  public:
   enum class Fault {

@@ -12,7 +12,7 @@
 
 namespace lidard::sim {
 
-/// What a merge gave: scans in profiles strict, safety and flatten, the cloud, and what is told beside them.
+/// What a merge gave: scans in profiles strict, safety and flatten, the cloud, and the counters.
 struct RandomMerge {
   const PlanarScan* scans;
   const Cloud& cloud;

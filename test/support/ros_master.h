@@ -15,7 +15,7 @@ namespace lidard::test {
 /// fail the calling test. The calling process must have no threads.
 void in_own_process(const std::function<void()>& body);
 
-/// A TCP port of the loopback that nobody uses.
+/// A TCP port of the loopback that is free.
 std::uint16_t free_port();
 
 /// A child process that ends with its owner.

@@ -115,7 +115,7 @@ struct SlowRule::Scene {
       add_wedge(border, b, b.returns, doubtful);
     }
 
-    /// The half of a beam that nobody else bounds.
+    /// The half of a beam that no other beam bounds.
     void add_half(const Beam& beam, double width, bool before) {
       Beam border = beam;
       const double half = std::fabs(width) < widest_step ? turn * std::fabs(width) / 2 : 0;
@@ -252,7 +252,7 @@ struct SlowRule::Scene {
     return place;
   }
 
-  /// What nobody looked at is forgiven to a hit in part, what a return hides to nobody.
+  /// Before a hit, a part of the way may be unobserved; what a return hides may not.
   void walk_on(Walk& walk, double at, bool has_hit, bool free, bool hidden) const {
     walk.ends_free = free;
     if (free) walk.known = at;

@@ -21,7 +21,7 @@ class TcpPeer {
   bool accept();
   /// Sends to the client of the last accept(); false on an error.
   bool send(const std::string& bytes);
-  /// What the client has sent so far and nobody read yet.
+  /// What the client has sent and the test has not read yet.
   std::string read();
   void close_client();
   /// Ends the client's connection with a reset.

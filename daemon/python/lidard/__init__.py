@@ -69,7 +69,7 @@ class Cloud(Frame):
     """A revolution of a multi-plane lidar, or a merged cloud. Unpacks as `stamp, points`.
 
     points: structured array with the fields x y z (m, sensor's frame, x ahead, y left), intensity, ring (0 is the
-        lowest) and time (s after `stamp`; a merged cloud also has `sensor`, the place among its sources). Shape (n,), or
+        lowest) and time (s after `stamp`; a merged cloud also has `sensor`, its index among the sources). Shape (n,), or
         (rows, columns) where a configuration organises clouds. It is the decoder's own memory, which the array keeps.
         `stamp + time` follows the clock of the device; the column stamp_ns of `lidard decode --format csv` is by the
         arrival of each packet and differs by its jitter, up to 15 ms. columns["stamp_ns"] of open(clock="arrival") has it.

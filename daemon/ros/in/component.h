@@ -85,8 +85,8 @@ using SharedClockStep = std::shared_ptr<const ClockStep>;
 std::shared_ptr<RosComponent> make_ros_motion(const VehicleConfig& vehicle, RosPost post,
                                               SharedClockStep clock);
 /// dynamic_reconfigure servers of the merged and virtual scans. The callback thread answers requests and
-/// passes on what is accepted. The parameter server is written in the master thread, so that a master that
-/// hangs holds up nobody; dynamic_reconfigure::Server would write it in the answering thread.
+/// passes on what is accepted. The parameter server is written in the master thread, so that a hanging
+/// master delays no answer; dynamic_reconfigure::Server would write it in the answering thread.
 std::shared_ptr<RosComponent> make_ros_reconfigure(std::vector<Reconfigurable> outputs, const RosPost& post);
 
 }  // namespace lidard

@@ -31,20 +31,20 @@ void ThreadWatch::tick(Thread thread) {
   last_[thread] = Clock::now();
 }
 
-std::string ThreadWatch::standing(bool master_answers) {
+std::string ThreadWatch::stalled(bool master_answers) {
   const auto called = called_.load();
   const bool waits = called != Clock::time_point() && Clock::now() - called > quick_call;
   if (waits || ros::isShuttingDown()) return {};
   std::array<std::uint64_t, threads> now{};
-  std::string standing;
+  std::string stalled;
   for (std::size_t i = 0; i < threads; ++i) {
     now[i] = rounds_[i];
     const bool counts = (i == callbacks ? runs_.load() : now[i] > 0) && (i != master || master_answers);
     if (counts && now[i] == before_[i])
-      standing += (standing.empty() ? "" : ", ") + std::string(names[i].for_people);
+      stalled += (stalled.empty() ? "" : ", ") + std::string(names[i].for_people);
   }
-  if (standing.empty()) before_ = now;
-  return standing;
+  if (stalled.empty()) before_ = now;
+  return stalled;
 }
 
 }  // namespace lidard

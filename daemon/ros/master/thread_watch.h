@@ -50,7 +50,7 @@ class ThreadWatch {
   /// The threads that have not made a round since the last call that returned "". The master thread counts
   /// only while the master answers: otherwise it may wait for it. None counts during a long Call, since
   /// roscpp holds its locks then. Always to be called by the same thread.
-  std::string standing(bool master_answers);
+  std::string stalled(bool master_answers);
 
  private:
   static constexpr std::size_t threads = master + 1;

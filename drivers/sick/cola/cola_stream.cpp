@@ -318,8 +318,7 @@ std::string cola_error_words(std::uint8_t code) {
       "the device does not know that method; its firmware or its family lacks it: check `model`",
       "the device does not know that variable; its firmware or its family lacks it: check `model`",
       "the device's state does not allow it now (starting, measuring, or in another mode); wait, or stop "
-      "what "
-      "else controls it (SOPAS ET)",
+      "what else controls it (SOPAS ET)",
       "the value is not allowed; check what this type of device supports",
       "an error without a name; restart the device if it stays",
       "the device's buffer is too small for that telegram; report it with the firmware version",

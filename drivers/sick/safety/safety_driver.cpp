@@ -200,8 +200,7 @@ class SafetyDriver final : public DriverBase {
     });
     board_.update(Warning::unreadable, telegram_.has_unreadable_block, [] {
       return "a status block of the scanner is not as SICK 8022708 describes it and is left out; scans are "
-             "not "
-             "affected, but its state may be missing here: please report the firmware version";
+             "not affected, but its state may be missing here: please report the firmware version";
     });
   }
 

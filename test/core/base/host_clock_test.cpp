@@ -49,7 +49,7 @@ TEST(HostClock, GoesOnWhereTheHostsClockIsSetAndFindsBackToIt) {
     host.set(span_from_seconds(s));
     host.pass(milliseconds(10));
     EXPECT_EQ(clock.observe(host.read()), span_from_seconds(s));
-    EXPECT_FALSE(clock.observe(host.read())) << "told once";
+    EXPECT_FALSE(clock.observe(host.read())) << "reported once";
     EXPECT_EQ(clock.steady(host.read()) - before, Span(milliseconds(10)));
     EXPECT_EQ(host_of(clock, clock.steady(host.read())), host.realtime);
     EXPECT_EQ(clock.steps(), 1U);
@@ -71,15 +71,15 @@ TEST(HostClock, TakesNoSlowReadingForAStep) {
 TEST(HostClock, AddsSmallStepsUpUntilTheyCount) {
   Host host;
   HostClock clock(host.read());
-  std::size_t told = 0;
+  std::size_t steps = 0;
   for (int i = 0; i < 10; ++i) {
     host.set(microseconds(400));
     host.pass(milliseconds(10));
-    told += clock.observe(host.read()) ? 1U : 0U;
+    steps += clock.observe(host.read()) ? 1U : 0U;
     EXPECT_LE(std::chrono::abs(host_of(clock, clock.steady(host.read())) - host.realtime),
               milliseconds(1) + microseconds(2));
   }
-  EXPECT_EQ(told, 3U);
+  EXPECT_EQ(steps, 3U);
 }
 
 TEST(HostClock, KnowsWhatWasStampedBeforeTheClockWasSet) {
@@ -125,7 +125,7 @@ TEST(HostClock, KeepsTheOrderAndTheTimeOfPacketsThroughAnySteps) {
       host.pass(microseconds(random() % 5000));
       if (random() % 20 == 0) {
         double step = seconds_of(random);
-        if (std::abs(step) < 0.02) step = 0.02;  // less than a packet waits cannot be told apart
+        if (std::abs(step) < 0.02) step = 0.02;  // less than a packet waits cannot be distinguished
         host.set(span_from_seconds(step));
         host.pass(std::chrono::seconds(0));
       }

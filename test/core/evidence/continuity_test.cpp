@@ -98,7 +98,7 @@ TEST(Continuity, AWallAtAGrazingAngleIsKnownByFourReturnsOnALine) {
     ASSERT_LT(steepness(ranges[5], ranges[6], step), 9) << grazing;
     EXPECT_TRUE(r.linked(4)) << grazing;
     EXPECT_TRUE(r.linked(5)) << grazing;
-    // With one of the four missing, or off the line, nothing tells.
+    // With one of the four missing, or off the line, the beam is not linked.
     for (const std::size_t other : {4U, 7U}) {
       auto without = ranges;
       without[other] = 0;

@@ -43,7 +43,7 @@ struct Expected {
   Eigen::Vector3d place;
   double intensity;
   std::size_t source;
-  bool own;  ///< told by where it was measured
+  bool own;  ///< by where it was measured
 };
 
 /// A merge of random mounts, and where each return must be seen from now.

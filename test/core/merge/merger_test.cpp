@@ -115,7 +115,7 @@ TEST(Merger, CountsSweepsThatAreReplacedBeforeTheyAreUsed) {
   EXPECT_EQ(merger.superseded(), 1U);
 }
 
-TEST(Merger, UsesTheSourcesItIsToldToUse) {
+TEST(Merger, UsesTheSourcesThatItIsAskedToUse) {
   Merger merger(full_circle(360), {}, 2);
   merger.add(0, arc(5, t0), Pose::Identity());
   merger.add(1, arc(2, t0 + ms(1)), Pose::Identity());

@@ -163,7 +163,7 @@ TEST(SchedulerPeriod, FollowsADeviceThatTurnsALittleFasterOrSlower) {
   }
 }
 
-TEST(SchedulerPeriod, WhatIsToldCountsUntilSomethingIsMeasuredAndNonsenseNever) {
+TEST(SchedulerPeriod, AConfiguredPeriodCountsUntilOneIsMeasuredAndNonsenseNever) {
   for (const double nonsense :
        {0.0, -1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     OneSource source;

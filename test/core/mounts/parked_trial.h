@@ -151,8 +151,8 @@ struct Trial {
       scans.add(scan);
     }
     MountedSensor sensor;
-    sensor.place.views = scans.views(Eigen::Matrix3d::Identity());
-    find_surfaces(sensor.place.views[0], sensor.place.surfaces), sensor.place.height = 0.35;
+    sensor.seen.views = scans.views(Eigen::Matrix3d::Identity());
+    find_surfaces(sensor.seen.views[0], sensor.seen.surfaces), sensor.seen.height = 0.35;
     add(at, sensor, far);
   }
   /// A lidar of 16 planes 2 m above the ground; walls are 3 m high, and each laser has errors of its own.
@@ -194,8 +194,8 @@ struct Trial {
       scans.add(cloud);
     }
     MountedSensor sensor;
-    sensor.place.views = scans.views(Eigen::Matrix3d::Identity());
-    sensor.place.surfaces = find_upright(sensor.place.views), sensor.place.height = height;
+    sensor.seen.views = scans.views(Eigen::Matrix3d::Identity());
+    sensor.seen.surfaces = find_upright(sensor.seen.views), sensor.seen.height = height;
     add(at, sensor, far);
   }
   /// Its configured pose is wrong by 0.5 m and 20 degrees times `far` at most.

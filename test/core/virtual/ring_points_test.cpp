@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-// Clouds that tell neither columns nor, some of them, rings; and what is learnt of rings.
+// Clouds without columns, some of them without rings; and what is learnt of rings.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -87,7 +87,7 @@ struct Scene {
 struct Counts {
   std::size_t right[3] = {0, 0, 0}, through[3] = {0, 0, 0}, free[3] = {0, 0, 0};
   double blind[3] = {0, 0,
-                     0};  // m in all, of beams that all show right: the begin of the way that nobody sees
+                     0};  // m in all, of beams that all show right: the begin of the way that no lidar sees
   std::size_t lost = 0;   // right of one of them alone, but not of both
   std::size_t newly_free = 0;  // falsely, and not so of one alone
 

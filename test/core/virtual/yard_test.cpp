@@ -30,7 +30,7 @@ TEST_P(YardBars, MostOfWhatTheLidarCouldSeeIsRightAndNothingIsFalselyFree) {
   EXPECT_GE(strict.share(strict.right), GetParam().strict_right);
   EXPECT_GE(safety.share(safety.right), GetParam().safety_right);
   EXPECT_GT(safety.right, band.right);
-  // Shortly behind a return safety ends a beam where nobody sees: the thing may be that thick. A level top
+  // Shortly behind a return safety ends a beam where no source sees: the thing may be that thick. A level top
   // that noise does not distinguish from a square face counts as a face.
   EXPECT_LE(safety.share(safety.phantom), 1.2);
   EXPECT_LE(safety.share_missed_of_sampled(), 1.5);
@@ -42,16 +42,16 @@ INSTANTIATE_TEST_SUITE_P(PlaneAtHalfAMetre, YardBars,
                                            Bar{"of_64_rings", 5, 98, 99.1}),
                          [](const auto& each) { return std::string(each.param.name); });
 
-TEST(Virtualizer, GroundThatIsLookedForServesAsWellAsOneThatIsTold) {
+TEST(Virtualizer, GroundThatIsFoundServesAsWellAsOneThatIsConfigured) {
   for (const auto& set_up : sim::yard_cases()) {
     if (std::string(set_up.name).find("plane at 0.5 m") == std::string::npos) continue;
-    sim::YardScore told, found;
+    sim::YardScore configured, found;
     for (std::uint64_t seed = 1; seed <= 4; ++seed) {
       const sim::YardScene scene = sim::make_yard_scene(set_up, seed);
-      told.add(sim::judge_yard(scene, sim::cut_claims(scene, Profile::safety, GroundModel::plane)));
+      configured.add(sim::judge_yard(scene, sim::cut_claims(scene, Profile::safety, GroundModel::plane)));
       found.add(sim::judge_yard(scene, sim::cut_claims(scene, Profile::safety, GroundModel::slope)));
     }
-    EXPECT_GE(found.share(found.right), told.share(told.right) - 1.0) << set_up.name;
+    EXPECT_GE(found.share(found.right), configured.share(configured.right) - 1.0) << set_up.name;
   }
 }
 

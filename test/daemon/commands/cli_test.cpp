@@ -224,7 +224,7 @@ TEST_F(CommandLine, DrawsWhatItsOptionsSay) {
   EXPECT_THAT(draw({"--range", "0.4"}), StartsWith("exit 2"));
 }
 
-TEST_F(CommandLine, AsksTheDevicesThatItIsTold) {
+TEST_F(CommandLine, AsksTheDevicesThatAreNamed) {
   for (const auto& [option, wrong] : {std::pair{"--hokuyo", "::1"}, std::pair{"--sick", "1.2.3"},
                                       std::pair{"--hokuyo", "10.0.0.1:x"}, std::pair{"--sick", "1.2.3.4:"}}) {
     const Answer refused = lidard({"discover", option, wrong, "--wait", "0.1"});

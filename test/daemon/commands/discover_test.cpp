@@ -131,7 +131,7 @@ TEST(Discover, ListsWhatAnswersOnLoopback) {
                                ust, [](Stamp) { return std::vector<sim::ScipStep>(); }, sim::now_of_host()));
   Responder responder(sick_answer());
   DiscoverOptions options;
-  options.places = {{&hokuyo::discovery(), {here, device.port()}},
+  options.targets = {{&hokuyo::discovery(), {here, device.port()}},
                     {&sick::discovery(), {here, responder.port}}};
   options.wait = 1;
   options.json = true;
@@ -151,7 +151,7 @@ TEST(Discover, ListsWhatAnswersOnLoopback) {
 
 TEST(Discover, SaysWhereItAskedWhenNothingAnswers) {
   DiscoverOptions options;
-  options.places = {{&hokuyo::discovery(), {here, 1}}, {&sick::discovery(), {here, 1}}};
+  options.targets = {{&hokuyo::discovery(), {here, 1}}, {&sick::discovery(), {here, 1}}};
   options.wait = 0.2;
   std::ostringstream out, err;
   EXPECT_EQ(run_discover(options, out, err), 1);

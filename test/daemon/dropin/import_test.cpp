@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// What static_transform_publisher says in its arguments becomes the pose of a sensor, or a remark.
+// The arguments of static_transform_publisher become the pose of a sensor, or a remark.
 #include "daemon/dropin/import.h"
 
 #include <gmock/gmock.h>
@@ -21,23 +21,23 @@ using ::testing::IsEmpty;
 ImportedConfig imported(const std::vector<std::string>& arguments) {
   LaunchFile launch;
   launch.nodes.push_back({"/scanner", "urg_node", "urg_node", "/", {}, {}, {{"ip_address", "192.168.0.10"}}});
-  launch.nodes.push_back({"/place", "tf", "static_transform_publisher", "/", arguments, {}, {}});
+  launch.nodes.push_back({"/publisher", "tf", "static_transform_publisher", "/", arguments, {}, {}});
   return import_nodes(launch);
 }
 
 /// The pose of the scanner; nothing: it has none.
 std::optional<Pose> pose_of(const ImportedConfig& config) {
-  return parse_config(yaml_text(config.keys), "f").sensors.at(0).pose;
+  return parse_config(config.keys.yaml(), "f").sensors.at(0).pose;
 }
 
-TEST(Import, TakesSixNumbersAsAPlaceWithYawPitchAndRoll) {
+TEST(Import, AcceptsSixNumbersAsAPoseWithYawPitchAndRoll) {
   const ImportedConfig config = imported({"1", "2", "0.5", "0.3", "0.2", "0.1", "/base", "/laser", "100"});
   EXPECT_THAT(config.changes, IsEmpty());
   ASSERT_TRUE(pose_of(config));
   EXPECT_TRUE(pose_of(config)->isApprox(make_pose({1, 2, 0.5}, {0.1, 0.2, 0.3}), 1e-9));
 }
 
-TEST(Import, TakesSevenNumbersAsAPlaceWithAQuaternion) {
+TEST(Import, AcceptsSevenNumbersAsAPoseWithAQuaternion) {
   const std::string half = std::to_string(std::sqrt(0.5));
   const auto pose = pose_of(imported({"0", "0", "1", "0", "0", half, half, "base", "laser"}));
   ASSERT_TRUE(pose);
@@ -64,7 +64,7 @@ TEST(Import, EveryTransformIsAPoseOrARemark) {
                             {},
                             {}});
   const ImportedConfig imported = import_nodes(launch);
-  const Config config = parse_config(yaml_text(imported.keys), "f");
+  const Config config = parse_config(imported.keys.yaml(), "f");
   ASSERT_TRUE(config.sensors.at(0).pose);
   EXPECT_EQ(config.virtual_scans.at(0).poses.size(), 1U) << "without the slash of tf 1";
   EXPECT_THAT(imported.stays,
@@ -98,7 +98,7 @@ TEST(Import, SaysWhichTransformsItCannotRead) {
       {}};
   for (const auto& arguments : wrong) {
     const ImportedConfig config = imported(arguments);
-    EXPECT_THAT(config.changes, ElementsAre(HasSubstr("/place: arguments that make no transform")));
+    EXPECT_THAT(config.changes, ElementsAre(HasSubstr("/publisher: arguments that make no transform")));
     EXPECT_FALSE(pose_of(config));
   }
 }
@@ -110,7 +110,7 @@ ImportedConfig from_parameters(const std::string& name, const NodeParameters& pa
   return import_nodes(launch);
 }
 
-Config parsed(const ImportedConfig& imported) { return parse_config(yaml_text(imported.keys), "f"); }
+Config parsed(const ImportedConfig& imported) { return parse_config(imported.keys.yaml(), "f"); }
 
 struct Foreign {
   const char* name;
@@ -135,7 +135,7 @@ TEST(Import, ParametersOfOtherDriversAreNoSensor) {
       {"/velodyne_transform_node", {{"calibration", "VLP16db.yaml"}, {"min_range", "0.9"}}}};
   for (const Foreign& one : others) {
     const ImportedConfig imported = from_parameters(one.name, one.parameters);
-    EXPECT_EQ(imported.entries, 0U) << one.name << '\n' << yaml_text(imported.keys);
+    EXPECT_EQ(imported.entries(), 0U) << one.name << '\n' << imported.keys.yaml();
     EXPECT_EQ(imported.stays.size() + imported.changes.size(), 1U) << one.name;
   }
 }
@@ -155,7 +155,7 @@ TEST(Import, ANameOrTwoParametersThatAgreeNameTheDriver) {
       {"sick_lms1xx", {"/LMS1xx_node", {{"host", "192.168.1.14"}}}}};
   for (const auto& [model, one] : known) {
     const ImportedConfig imported = from_parameters(one.name, one.parameters);
-    ASSERT_EQ(imported.entries - (model == std::string("sick_tim7xx") ? 1 : 0), 1U) << one.name;
+    ASSERT_EQ(imported.entries() - (model == std::string("sick_tim7xx") ? 1 : 0), 1U) << one.name;
     EXPECT_EQ(parsed(imported).sensors.at(0).model->name, model) << one.name;
   }
 }
@@ -172,7 +172,7 @@ TEST(Import, AVelodyneOfNebulaHasItsPortsAndNoPermissionToWrite) {
   const SensorConfig sensor = parsed(imported).sensors.at(0);
   EXPECT_EQ(sensor.model->name, "velodyne_vlp32c");
   EXPECT_EQ(sensor.frame_id, "roof");
-  const std::string text = yaml_text(imported.keys);
+  const std::string text = imported.keys.yaml();
   for (const char* line :
        {"ip_port: 2370", "telemetry_port: 0", "cut_angle: 1.57", "points_topic: /velodyne_points"})
     EXPECT_THAT(text, HasSubstr(line));
@@ -189,13 +189,12 @@ LaunchNode node(const char* name, const char* package, const char* type, const N
 ImportedConfig from_nodes(const std::vector<LaunchNode>& nodes) { return import_nodes({nodes, {}, {}}); }
 
 LaunchNode transform(const std::vector<std::string>& arguments, const char* package = "tf") {
-  return {"/place", package, "static_transform_publisher", "/", arguments, {}, {}};
+  return {"/publisher", package, "static_transform_publisher", "/", arguments, {}, {}};
 }
 
 TEST(Import, ACalibrationIsLeftOutWhereTheModelHasThatTable) {
   const auto text = [](const char* model, const char* file) {
-    return yaml_text(
-        from_parameters("/velodyne_transform_node", {{"model", model}, {"calibration", file}}).keys);
+    return from_parameters("/velodyne_transform_node", {{"model", model}, {"calibration", file}}).keys.yaml();
   };
   const std::string installed = "/opt/ros/share/velodyne_pointcloud/params/";
   const auto keeps = ::testing::HasSubstr("calibration: ");
@@ -230,7 +229,7 @@ TEST(Import, AScannerAtASerialPortIsRefusedByThatReason) {
       {node("/a", "hokuyo_node", "hokuyo_node", {{"port", "/dev/ttyACM0"}}),
        node("/b", "urg_node", "urg_node", {{"ip_address", ""}, {"serial_port", "/dev/ttyACM0"}}),
        node("/c", "sick_tim", "sick_tim551_2050001", {}), node("/d", "sick_tim", "sick_tim310", {})});
-  EXPECT_EQ(imported.entries, 0U);
+  EXPECT_EQ(imported.entries(), 0U);
   EXPECT_THAT(imported.changes,
               ElementsAre(HasSubstr("serial"), HasSubstr("serial"), HasSubstr("USB"), HasSubstr("USB")));
 }
@@ -260,7 +259,7 @@ TEST(Import, AFlatScanOfACloudIsAVirtualScan) {
   EXPECT_EQ(config.vehicle.base_frame, "trunk");
   EXPECT_EQ(scan.virtual_laser_scan, std::vector<std::string>{"velodyne"});
   EXPECT_EQ(scan.output_laser_topic, "/scan_flat");
-  const std::string text = yaml_text(imported.keys);
+  const std::string text = imported.keys.yaml();
   for (const char* line : {"cloud_topic: driver", "min_height: -0.15", "max_height: 0.15", "range_max: 100",
                            "empty: range_max_plus_one", "angle_increment: 0.01745"})
     EXPECT_THAT(text, HasSubstr(line));
@@ -273,7 +272,7 @@ TEST(Import, AFlatScanWithoutTargetIsInTheFrameOfItsSource) {
   const auto flat = node("/flat", "pointcloud_to_laserscan", "pointcloud_to_laserscan_node", {}, remaps);
   EXPECT_EQ(parsed(from_nodes({velodyne, points, flat})).virtual_scans.at(0).virtual_laser_scan.at(0),
             "velodyne");
-  EXPECT_EQ(from_nodes({flat}).entries, 0U);
+  EXPECT_EQ(from_nodes({flat}).entries(), 0U);
   EXPECT_THAT(from_nodes({flat}).changes, ElementsAre(HasSubstr("target_frame is empty")));
   const auto back = node("/back", "pointcloud_to_laserscan", "laserscan_to_pointcloud_node", {});
   EXPECT_THAT(from_nodes({back}).stays, ElementsAre(HasSubstr("it stays in a launch file")));
@@ -326,7 +325,7 @@ TEST(Import, FiltersAreAMergedScanOfTheSensorAlone) {
   EXPECT_THAT(config.merged_scans[0].laserscan_topics, ElementsAre("left"));
   EXPECT_THAT(config.merged_scans[1].laserscan_topics, ElementsAre("left", "right"));
   EXPECT_EQ(config.vehicle.footprint.size(), 4U);
-  const std::string text = yaml_text(imported.keys);
+  const std::string text = imported.keys.yaml();
   for (const char* line : {"range_min: 0.3", "range_max: 10000", "angle_min: 2", "angle_max: 1"}) {
     const std::string window = std::string("        ") + line;
     EXPECT_NE(text.find(window), text.rfind(window)) << "the merger has the same window: " << text;
@@ -337,7 +336,7 @@ TEST(Import, FiltersAreAMergedScanOfTheSensorAlone) {
 
 TEST(Import, FiltersOfAnUnknownScanStay) {
   const ImportedConfig imported = from_nodes({filters({})});
-  EXPECT_EQ(imported.entries, 0U);
+  EXPECT_EQ(imported.entries(), 0U);
   EXPECT_THAT(imported.changes, ElementsAre(HasSubstr("no sensor in this file")));
 }
 

@@ -17,7 +17,7 @@ using ::testing::IsEmpty;
 
 std::string error_of(const std::function<DropinSetup()>& setup) {
   try {
-    parse_config(setup().yaml(), "p");
+    parse_config(setup().keys.yaml(), "p");
     return "no error";
   } catch (const ConfigError& error) {
     return error.what();
@@ -25,11 +25,11 @@ std::string error_of(const std::function<DropinSetup()>& setup) {
 }
 
 Config merger_of(const NodeParameters& parameters) {
-  return parse_config(laser_merger_setup(parameters).yaml(), "p");
+  return parse_config(laser_merger_setup(parameters).keys.yaml(), "p");
 }
 
 Config virtualizer_of(const NodeParameters& parameters) {
-  return parse_config(laser_virtualizer_setup(parameters).yaml(), "p");
+  return parse_config(laser_virtualizer_setup(parameters).keys.yaml(), "p");
 }
 
 TEST(LaserMerger, HasTheDefaultsOfTheNodeItStandsInFor) {
@@ -64,10 +64,10 @@ TEST(LaserMerger, HasTheNumberOfBeamsThatSlamToolboxExpects) {
   EXPECT_EQ(beams({{"angle_min", "-3.1416"}, {"angle_max", "3.1416"}}), 1083U) << "a full turn";
 }
 
-TEST(LaserMerger, TakesTopicsOfAnyNameOnceEach) {
+TEST(LaserMerger, AcceptsTopicsOfAnyNameOnceEach) {
   const DropinSetup setup =
       laser_merger_setup({{"laserscan_topics", " /scansx  front/scan /s2 /scansx front_scan "}});
-  const Config config = parse_config(setup.yaml(), "p");
+  const Config config = parse_config(setup.keys.yaml(), "p");
   std::vector<std::string> topics;
   for (const auto& sensor : config.sensors) topics.push_back(sensor.topic);
   EXPECT_THAT(topics, ElementsAre("/scansx", "front/scan", "/s2", "front_scan"));
@@ -78,7 +78,7 @@ TEST(LaserMerger, TakesTopicsOfAnyNameOnceEach) {
 TEST(LaserMerger, BringsNumbersIntoTheLimitsOfDynamicReconfigureAndSaysSo) {
   const DropinSetup setup = laser_merger_setup(
       {{"laserscan_topics", "a"}, {"angle_min", "-3.1416"}, {"range_max", "2000"}, {"range_min", "0.3"}});
-  const ScanGridSpec grid = parse_config(setup.yaml(), "p").merged_scans[0].output.grid;
+  const ScanGridSpec grid = parse_config(setup.keys.yaml(), "p").merged_scans[0].output.grid;
   EXPECT_DOUBLE_EQ(grid.angle_min, -3.14159265358979323846);
   EXPECT_EQ(grid.range_max, 1000);
   EXPECT_EQ(grid.range_min, 0.3);
@@ -95,7 +95,7 @@ TEST(LaserMerger, KnowsKeysOfOurOwnConfiguration) {
                                                 {"echoes", "first"},
                                                 {"min_height", "0.05"}});
   EXPECT_THAT(setup.warnings, IsEmpty());
-  const MergedScanConfig merged = parse_config(setup.yaml(), "p").merged_scans[0];
+  const MergedScanConfig merged = parse_config(setup.keys.yaml(), "p").merged_scans[0];
   EXPECT_EQ(merged.output.profile, Profile::safety);
   EXPECT_EQ(merged.output.empty, EmptyBeam::inf);
   EXPECT_EQ(merged.output.unobserved, EmptyBeam::minus_inf);
@@ -142,7 +142,7 @@ TEST(LaserVirtualizer, HasTheDefaultsOfTheNodeItStandsInFor) {
   EXPECT_EQ(group.output.min_height, -0.1) << "not the ground too, as in 1.0.7";
 }
 
-TEST(LaserVirtualizer, TakesEveryParameter) {
+TEST(LaserVirtualizer, AppliesEveryParameter) {
   const DropinSetup setup = laser_virtualizer_setup({{"cloud_topic", "cloud_in"},
                                                      {"base_frame", "/laser_frame"},
                                                      {"output_laser_topic", "/scan"},
@@ -151,7 +151,7 @@ TEST(LaserVirtualizer, TakesEveryParameter) {
                                                      {"max_height", "0.4"},
                                                      {"range_max", "80"}});
   EXPECT_THAT(setup.warnings, IsEmpty());
-  const Config config = parse_config(setup.yaml(), "p");
+  const Config config = parse_config(setup.keys.yaml(), "p");
   const VirtualScanConfig& group = config.virtual_scans.at(0);
   EXPECT_EQ(config.sensors.at(0).topic, "cloud_in");
   EXPECT_EQ(group.base_frame, "laser_frame");

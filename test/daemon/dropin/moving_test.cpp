@@ -129,10 +129,10 @@ std::string sample_of(const std::string& name) {
   return "0.5";
 }
 
-/// Everything that the setup says, but for the remarks.
+/// The whole setup except the remarks.
 std::string meaning(const DropinSetup& setup) {
   std::ostringstream text;
-  text << setup.yaml();
+  text << setup.keys.yaml();
   for (const auto& one : setup.transforms)
     text << one.parent << ' ' << one.child << ' ' << one.pose.matrix() << '\n';
   return text.str();
@@ -153,20 +153,20 @@ TEST(Moving, TheTablesCoverEveryParameterOfThePackages) {
   }
 }
 
-TEST(Moving, AParameterWithAKeyChangesTheConfigurationAndOneWithoutIsTold) {
+TEST(Moving, AParameterWithAKeyChangesTheConfigurationAndOneWithoutIsReported) {
   // What is no key of a configuration but of `lidard replay`, and what one model has no use for.
   const std::set<std::string> elsewhere{"pcap",      "read_once",   "read_fast",    "repeat_delay",
                                         "pcap_time", "calibration", "scanner_type", "model"};
   for (const Case& one : cases()) {
     const std::string before = meaning(one.setup(one.needed));
-    EXPECT_NO_THROW(parse_config(one.setup(one.needed).yaml(), "p")) << before;
+    EXPECT_NO_THROW(parse_config(one.setup(one.needed).keys.yaml(), "p")) << before;
     for (const std::string& name : split_words(one.list)) {
       const MovedParameter& row = *row_of(one.package, name);
       NodeParameters parameters = one.needed;
       if (elsewhere.count(name) != 0) continue;
       parameters[name] = row.key.empty() ? "7" : sample_of(name);
       const DropinSetup after = one.setup(parameters);
-      // Keys that one model has no use for are told instead, key by key.
+      // Keys that one model has no use for are reported instead, key by key.
       const bool is_left_out =
           remarks_of(after).find("key " + std::string(row.key) + " was left out") != std::string::npos;
       if (row.key.empty()) {
@@ -175,7 +175,7 @@ TEST(Moving, AParameterWithAKeyChangesTheConfigurationAndOneWithoutIsTold) {
         EXPECT_NE(meaning(after), before) << one.package << " ~" << name;
       }
       EXPECT_THAT(remarks_of(after), ::testing::Not(HasSubstr("~" + name + " is not known")));
-      EXPECT_NO_THROW(parse_config(after.yaml(), "p")) << name << '\n' << after.yaml();
+      EXPECT_NO_THROW(parse_config(after.keys.yaml(), "p")) << name << '\n' << after.keys.yaml();
     }
   }
 }
@@ -226,7 +226,7 @@ TEST(Moving, ASickThatIsNotReadIsRefusedByItsName) {
 TEST(Moving, ScansOfAMultiPlaneSickHaveNoKeysOfPlanarOnes) {
   const DropinSetup setup = sick_scan_setup(
       {{"scanner_type", "sick_mrs_1xxx"}, {"cloud_topic", "fog"}, {"min_ang", "-1"}, {"intensity", "true"}});
-  const Config config = parse_config(setup.yaml(), "p");
+  const Config config = parse_config(setup.keys.yaml(), "p");
   EXPECT_EQ(config.sensors.at(0).points_topic, "fog");
   EXPECT_THAT(remarks_of(setup), HasSubstr("key angle_min was left out"));
 }
@@ -248,7 +248,7 @@ TEST(Moving, WhatMovesThePointsOfASickBesidesTfIsPartOfItsPose) {
   const DropinSetup own = sick_scan_setup(elsewhere);
   ASSERT_EQ(own.transforms.size(), 1U);
   EXPECT_EQ(own.transforms[0].parent, "cloud");
-  EXPECT_EQ(own.transforms[0].child, parse_config(own.yaml(), "p").sensors.at(0).frame_id);
+  EXPECT_EQ(own.transforms[0].child, parse_config(own.keys.yaml(), "p").sensors.at(0).frame_id);
   EXPECT_LT((own.transforms[0].pose * Eigen::Vector3d(4, 1, 0) - Eigen::Vector3d(4.5, -1, 0)).norm(), 1e-5);
   elsewhere["add_transform_xyz_rpy"] = "0.5,0,0";
   EXPECT_THROW(sick_scan_setup(elsewhere), ConfigError);
@@ -257,21 +257,32 @@ TEST(Moving, WhatMovesThePointsOfASickBesidesTfIsPartOfItsPose) {
 TEST(Moving, TheCloudOfAPlanarSickIsThatOfAMergedScanOfItAlone) {
   const Config config = parse_config(
       sick_scan_setup({{"scanner_type", "sick_tim_7xx"}, {"frame_id", "/front"}, {"cloud_topic", "fog"}})
-          .yaml(),
+          .keys.yaml(),
       "p");
   ASSERT_EQ(config.merged_scans.size(), 1U);
   const MergedScanConfig& merged = config.merged_scans[0];
   EXPECT_EQ(merged.laserscan_topics, std::vector<std::string>{config.sensors.at(0).name});
   EXPECT_EQ(merged.cloud_destination_topic, "fog");
   EXPECT_EQ(merged.destination_frame, "front");
-  EXPECT_EQ(parse_config(sick_scan_setup({{"scanner_type", "sick_tim_7xx"}, {"cloud_topic", ""}}).yaml(), "p")
-                .merged_scans.size(),
-            0U);
+  EXPECT_EQ(
+      parse_config(sick_scan_setup({{"scanner_type", "sick_tim_7xx"}, {"cloud_topic", ""}}).keys.yaml(), "p")
+          .merged_scans.size(),
+      0U);
 }
 
 TEST(Moving, AMulticastGroupOfASafetyScannerIsJoined) {
   const DropinSetup setup = safety_scanners_setup({{"host_ip", "239.0.0.10"}});
-  EXPECT_EQ(parse_config(setup.yaml(), "p").sensors.at(0).multicast_group, IpAddress::parse("239.0.0.10"));
+  EXPECT_EQ(parse_config(setup.keys.yaml(), "p").sensors.at(0).multicast_group,
+            IpAddress::parse("239.0.0.10"));
+}
+
+TEST(Moving, AModelMayAlsoHaveItsNameHere) {
+  const auto model_of = [](const DropinSetup& setup) {
+    return parse_config(setup.keys.yaml(), "p").sensors.at(0).model->name;
+  };
+  EXPECT_EQ(model_of(sick_scan_setup({{"scanner_type", "sick_multiscan165"}})), "sick_multiscan165");
+  EXPECT_EQ(model_of(nebula_setup({{"sensor_model", "velodyne_hdl32e"}})), "velodyne_hdl32e");
+  EXPECT_EQ(model_of(velodyne_node_setup({{"model", "velodyne_puck_hires"}})), "velodyne_puck_hires");
 }
 
 }  // namespace

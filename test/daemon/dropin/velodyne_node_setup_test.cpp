@@ -19,7 +19,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 SensorConfig sensor_of(const NodeParameters& parameters) {
-  return parse_config(velodyne_node_setup(parameters).yaml(), "p").sensors.at(0);
+  return parse_config(velodyne_node_setup(parameters).keys.yaml(), "p").sensors.at(0);
 }
 
 std::string error_of(const NodeParameters& parameters) {
@@ -53,7 +53,7 @@ TEST(VelodyneNode, HasTheDefaultsOfTheNodesItStandsInFor) {
   EXPECT_DOUBLE_EQ(sensor.driver.cut_angle, M_PI);
 }
 
-TEST(VelodyneNode, TakesEveryParameterThatHasAMeaningHere) {
+TEST(VelodyneNode, AppliesEveryParameterThatHasAMeaningHere) {
   const DropinSetup setup = velodyne_node_setup({{"model", "VLS128"},
                                                  {"device_ip", "192.168.1.201"},
                                                  {"port", "2370"},
@@ -72,7 +72,7 @@ TEST(VelodyneNode, TakesEveryParameterThatHasAMeaningHere) {
                                                  {"pcap", ""}});
   EXPECT_THAT(setup.warnings, IsEmpty());
   EXPECT_THAT(setup.replay.captures, IsEmpty());
-  const SensorConfig sensor = parse_config(setup.yaml(), "p").sensors.at(0);
+  const SensorConfig sensor = parse_config(setup.keys.yaml(), "p").sensors.at(0);
   EXPECT_EQ(sensor.ip_address, IpAddress::v4(192, 168, 1, 201));
   EXPECT_EQ(sensor.ip_port, 2370);
   EXPECT_EQ(sensor.frame_id, "roof");
@@ -99,7 +99,7 @@ TEST(VelodyneNode, PublishesInTheFrameThatItIsAskedFor) {
   const auto config_of = [](NodeParameters parameters) {
     parameters["model"] = "VLP16";
     parameters["frame_id"] = "roof";
-    return parse_config(velodyne_node_setup(parameters).yaml(), "p");
+    return parse_config(velodyne_node_setup(parameters).keys.yaml(), "p");
   };
   const Config none = config_of({{"fixed_frame", ""}, {"target_frame", ""}});
   EXPECT_EQ(none.sensors[0].points_frame, "");
@@ -132,8 +132,9 @@ TEST(VelodyneNode, KnowsTheModelsUnderTheirOldNames) {
                                                        {"velodyne_vlp32a", "velodyne_vlp32a"}};
   for (const auto& [theirs, ours] : names) EXPECT_EQ(sensor_of({{"model", theirs}}).model, find_model(ours));
   EXPECT_EQ(sensor_of({}).model, find_model("velodyne_hdl64e_s1")) << "as velodyne_driver";
-  EXPECT_THAT(velodyne_node_setup({{"model", "VLP16"}, {"calibration", "/x/VLP16_hires_db.yaml"}}).yaml(),
-              HasSubstr("model: velodyne_puck_hires"));
+  EXPECT_THAT(
+      velodyne_node_setup({{"model", "VLP16"}, {"calibration", "/x/VLP16_hires_db.yaml"}}).keys.yaml(),
+      HasSubstr("model: velodyne_puck_hires"));
 }
 
 TEST(VelodyneNode, PlaysACaptureAsVelodyneDriverDoes) {
@@ -174,7 +175,8 @@ TEST(VelodyneNode, SaysWhatHasNoEffectAndWhatIsUnknown) {
 }
 
 TEST(VelodyneNode, RefusesValuesThatMeanNothing) {
-  EXPECT_THAT(error_of({{"model", "VLP17"}}), HasSubstr("~model is 'VLP17'; expected one of VLP16, 32C"));
+  EXPECT_THAT(error_of({{"model", "VLP17"}}),
+              HasSubstr("~model is 'VLP17', which lidard does not support; expected one of VLP16, 32C"));
   EXPECT_EQ(error_of({{"model", "VLP16"}, {"max_range", "far"}}),
             "parameter ~max_range is 'far'; expected a number");
   EXPECT_EQ(error_of({{"model", "VLP16"}, {"read_once", "maybe"}}),

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/mounts/placement.h"
+#include "core/mounts/surface_match.h"
 
 #include <gtest/gtest.h>
 
@@ -40,17 +40,17 @@ TEST(MatchSurfaces, AFaceBesideTheEndsOfAnotherOneIsNotTakenForIt) {
 }
 
 TEST(WallFit, FacesOfOneLineWithAGapAreWallsOfTheirOwn) {
-  SeenPlace places[2];
-  for (SeenPlace& place : places) {
-    place.views.resize(1);
-    add_wall({4, -3}, {4, -1}, {}, place.surfaces), add_wall({4, 1}, {4, 3}, {}, place.surfaces);
+  Surroundings seen[2];
+  for (Surroundings& one : seen) {
+    one.views.resize(1);
+    add_wall({4, -3}, {4, -1}, {}, one.surfaces), add_wall({4, 1}, {4, 3}, {}, one.surfaces);
   }
   std::vector<WallFit::Sensor> sensors(2);
-  sensors[0].place = &places[0], sensors[1].place = &places[1];
+  sensors[0].seen = &seen[0], sensors[1].seen = &seen[1];
   WallFit fit(sensors);
   EXPECT_TRUE(fit.find_walls(0.3));
   for (const WallFit::Sensor& sensor : fit.sensors()) EXPECT_EQ(sensor.shared, 2U);
-  places[1].surfaces.erase(places[1].surfaces.begin());
+  seen[1].surfaces.erase(seen[1].surfaces.begin());
   WallFit half(sensors);
   EXPECT_TRUE(half.find_walls(0.3));
   for (const WallFit::Sensor& sensor : half.sensors()) EXPECT_EQ(sensor.shared, 1U);
