@@ -12,9 +12,6 @@ using Pose = Eigen::Isometry3d;
 /// Pose from a translation (m) and fixed-axis roll, pitch, yaw (rad), the order of REP 103.
 Pose make_pose(const Eigen::Vector3d& xyz, const Eigen::Vector3d& rpy);
 
-/// Roll, pitch, yaw (fixed axes, rad) that make_pose() turns into the rotation of `pose`.
-Eigen::Vector3d rpy_of(const Pose& pose);
-
 /// True if all numbers are finite and the rotation is orthonormal and right-handed within 1e-6.
 bool is_rigid(const Pose& pose);
 

@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "core/base/angle.h"
-#include "core/base/pose.h"
 #include "daemon/commands/calibrate.h"
+#include "daemon/config/values.h"
 
 namespace lidard {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "core/base/angle.h"
 #include "core/base/number_text.h"
-#include "core/base/pose.h"
+#include "daemon/config/values.h"
 #include "daemon/yaml/yaml.h"
 
 namespace lidard {

@@ -88,6 +88,15 @@ Pose read_pose(const Value& value) {
   return made;
 }
 
+Eigen::Vector3d rpy_of(const Pose& pose) {
+  const Eigen::Matrix3d& r = pose.linear();
+  const double level = std::hypot(r(0, 0), r(1, 0));
+  const double pitch = std::atan2(-r(2, 0), level);
+  // Looking straight up or down, roll and yaw turn about one axis: all of it counts as yaw.
+  if (level < 1e-7) return {0, pitch, std::atan2(-r(0, 1), r(1, 1))};
+  return {std::atan2(r(2, 1), r(2, 2)), pitch, std::atan2(r(1, 0), r(0, 0))};
+}
+
 std::string read_frame(const Value& value) {
   const std::string expected = "the name of a tf frame, without blanks";
   std::string name = without_slash(value.text(expected));

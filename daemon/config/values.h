@@ -33,5 +33,7 @@ std::string read_topic(const Value& value);
 void check_entry_name(const std::string& name, const Value& value);
 /// A topic or frame as it is compared with others.
 std::string without_slash(const std::string& name);
+/// Roll, pitch, yaw (fixed axes, rad) that make_pose() turns into the rotation of `pose`.
+Eigen::Vector3d rpy_of(const Pose& pose);
 
 }  // namespace lidard
