@@ -29,7 +29,8 @@ ROOMS = {
     "drivers/sick/safety": ["drivers"],
     "drivers/sick/compact": ["drivers/sick/cola"],
     "drivers/registry": ["drivers/velodyne", "drivers/hokuyo", "drivers/sick/safety", "drivers/sick/compact"],
-    "daemon/config": ["drivers/registry", "drivers/net", "drivers/capture"],
+    "daemon/yaml": ["drivers"],
+    "daemon/config": ["daemon/yaml", "drivers/registry", "drivers/net", "drivers/capture"],
     "daemon/pipeline": ["daemon/config"],
     "daemon/health": ["daemon/pipeline"],
     "daemon/live": ["daemon/health"],
@@ -72,7 +73,7 @@ FORBIDDEN = {
     "daemon": r"test/",
     "daemon/pipeline": "|".join([ROS, r"boost/asio|boost/beast|sys/socket|netinet/|arpa/|yaml-cpp", THREADS_AND_CLOCKS]),
 }
-ONLY_IN = {"yaml-cpp": ["daemon/config"], "pybind11/": ["daemon/python"], ROS: [room for room in ROOMS if room.startswith("daemon/ros")] + ["daemon/dropin", "daemon/commands"]}
+ONLY_IN = {"yaml-cpp": ["daemon/yaml", "daemon/config"], "pybind11/": ["daemon/python"], ROS: [room for room in ROOMS if room.startswith("daemon/ros")] + ["daemon/dropin", "daemon/commands"]}
 HEAVY_IN_HEADERS = "|".join([ROS, r"pcl/|spdlog"])
 # Words that names and comments do not use, and what they say instead; a text in quotes may have them.
 WORDS = {

@@ -12,11 +12,11 @@
 #include "core/base/angle.h"
 #include "core/mounts/seen_motion.h"
 #include "daemon/commands/mount_edit.h"
-#include "daemon/config/yaml.h"
 #include "daemon/files/snapshot_view.h"
 #include "daemon/files/text_file.h"
 #include "daemon/offline/remarks.h"
 #include "daemon/ros/in/bag_topics.h"
+#include "daemon/yaml/yaml.h"
 
 namespace lidard {
 namespace {

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "core/base/angle.h"
-#include "core/base/pose.h"
 #include "daemon/commands/calibrate.h"
 #include "daemon/config/values.h"
 

@@ -8,7 +8,7 @@
 #include "core/base/angle.h"
 #include "core/base/number_text.h"
 #include "daemon/config/values.h"
-#include "daemon/config/yaml.h"
+#include "daemon/yaml/yaml.h"
 
 namespace lidard {
 namespace {

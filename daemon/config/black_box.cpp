@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/config/black_box.h"
 
-#include "daemon/config/config.h"
-#include "daemon/config/reading.h"
 #include "daemon/config/rows.h"
 
 namespace lidard {
@@ -25,9 +23,8 @@ Keys black_box_keys(BlackBoxConfig& black_box) {
        "captures that errors may start within 24 hours, and one a minute at most; `lidard dump` is free"}};
 }
 
-void read_black_box(const Mapping& root, Reading& reading) {
-  if (const auto section = root.find("blackbox"))
-    read_section(*section, black_box_keys(reading.config.black_box));
+void read_black_box(const Mapping& root, BlackBoxConfig& black_box) {
+  if (const auto section = root.find("blackbox")) read_section(*section, black_box_keys(black_box));
 }
 
 }  // namespace lidard

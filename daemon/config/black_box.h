@@ -9,7 +9,6 @@
 namespace lidard {
 
 class Mapping;
-struct Reading;
 
 /// `blackbox:` of the configuration.
 struct BlackBoxConfig {
@@ -21,6 +20,6 @@ struct BlackBoxConfig {
 };
 
 Keys black_box_keys(BlackBoxConfig& black_box);
-void read_black_box(const Mapping& root, Reading& reading);
+void read_black_box(const Mapping& root, BlackBoxConfig& black_box);
 
 }  // namespace lidard

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/config/config.h"
 
-#include <algorithm>
 #include <set>
 #include <utility>
 
@@ -36,9 +35,7 @@ void add_virtual(const VirtualScanConfig& group, std::vector<OutputTopic>& topic
 }  // namespace
 
 const SensorConfig* Config::find_sensor(const std::string& name) const {
-  const auto found =
-      std::find_if(sensors.begin(), sensors.end(), [&](const auto& one) { return one.name == name; });
-  return found == sensors.end() ? nullptr : &*found;
+  return lidard::find_sensor(sensors, name);
 }
 
 std::vector<std::string> Config::lidars_of(const VirtualScanConfig& group) const {

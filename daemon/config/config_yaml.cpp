@@ -9,14 +9,14 @@
 #include "daemon/config/reading.h"
 #include "daemon/config/rows.h"
 #include "daemon/config/values.h"
-#include "daemon/config/yaml.h"
+#include "daemon/yaml/yaml.h"
 
 namespace lidard {
 namespace {
 
 void warn_of_unused(const Mapping& root, Reading& reading) {
   for (const auto& [name, entry] : root.find("sensors")->entries()) {
-    const SensorConfig* const sensor = reading.config.find_sensor(name);
+    const SensorConfig* const sensor = find_sensor(reading.sensors, name);
     if (sensor->model == nullptr && !reading.claims.is_used(name))
       reading.warn(entry.key_location(), entry.path() + " is used by no merged and no virtual scan");
   }
@@ -60,7 +60,8 @@ Config parse_config(const std::string& text, const std::string& name) {
   Config config;
   config.file = name;
   config.text = text;
-  Reading reading{config};
+  Reading reading{config.file,    config.warnings,      config.vehicle,
+                  config.sensors, config.merged_clouds, config.virtual_scans};
   const Value file = parse_yaml(text, name);
   Mistakes mistakes;
   const Mapping root = known_mapping(
@@ -70,8 +71,8 @@ Config parse_config(const std::string& text, const std::string& name) {
   mistakes.attempt([&] { read_sensors(root, reading); });
   mistakes.attempt([&] { read_merged_clouds(root, reading); });
   mistakes.attempt([&] { read_virtual_scans(root, reading); });
-  mistakes.attempt([&] { read_merged_scans(root, reading); });
-  mistakes.attempt([&] { read_black_box(root, reading); });
+  mistakes.attempt([&] { read_merged_scans(root, config.merged_scans, reading); });
+  mistakes.attempt([&] { read_black_box(root, config.black_box); });
   mistakes.throw_if_any();
   warn_of_unused(root, reading);
   return config;

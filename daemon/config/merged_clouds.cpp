@@ -4,9 +4,10 @@
 
 #include <algorithm>
 
-#include "daemon/config/config.h"
 #include "daemon/config/reading.h"
 #include "daemon/config/rows.h"
+#include "daemon/config/sensors.h"
+#include "daemon/config/vehicle.h"
 
 namespace lidard {
 namespace {
@@ -14,7 +15,7 @@ namespace {
 /// The kind of frames that the source of that name gives.
 FrameKind kind_called(const Value& value, const Reading& reading) {
   const std::string name = without_slash(value.text());
-  const auto& sensors = reading.config.sensors;
+  const auto& sensors = reading.sensors;
   const bool scans = std::any_of(sensors.begin(), sensors.end(), [&](const SensorConfig& sensor) {
     return sensor.model != nullptr && sensor.model->kind == FrameKind::scan &&
            (sensor.name == name || without_slash(frame_topic(sensor).name) == name);
@@ -26,24 +27,24 @@ void check_merged_cloud(const Mapping& yaml, const SourceList& list, MergedCloud
                         Reading& reading) {
   check_destination(yaml, merged.destination_frame, merged.destination_pose, reading);
   const Value& topic = yaml.where("destination_topic");
-  if (reading.config.find_sensor(merged.destination_topic) != nullptr)
+  if (find_sensor(reading.sensors, merged.destination_topic) != nullptr)
     topic.fail("is the name of a sensor too", "a topic of its own");
   reading.claims.publishes(merged.destination_topic, yaml.self().path(), topic);
   check_schedule(yaml, list, merged.schedule);
 }
 
 MergedCloudConfig read_merged_cloud(const std::string& name, const Value& entry, Reading& reading) {
-  if (reading.config.find_sensor(name) != nullptr)
+  if (find_sensor(reading.sensors, name) != nullptr)
     entry.fail_at_key("is the name of a sensor too", "a name of its own");
   Mistakes mistakes;
   MergedCloudConfig merged;
   const Keys keys = merged_cloud_keys(merged);
   const Mapping yaml = mapping_of(entry, keys, mistakes);
   merged.name = name;
-  merged.destination_frame = reading.config.vehicle.base_frame;
+  merged.destination_frame = reading.vehicle.base_frame;
   merged.destination_topic = name;
   std::string expected = "names of sensors:";
-  for (const SensorConfig& sensor : reading.config.sensors) expected += " " + sensor.name;
+  for (const SensorConfig& sensor : reading.sensors) expected += " " + sensor.name;
   SourceList list;
   mistakes.attempt([&] { list = read_sources(yaml, "sources", expected, kind_called, reading); });
   merged.sources = list.names;
@@ -77,7 +78,7 @@ Keys merged_cloud_keys(MergedCloudConfig& merged) {
 }
 
 void read_merged_clouds(const Mapping& root, Reading& reading) {
-  read_entries(root.find("merged_clouds"), reading.config.merged_clouds, reading, read_merged_cloud);
+  read_entries(root.find("merged_clouds"), reading.merged_clouds, reading, read_merged_cloud);
 }
 
 }  // namespace lidard

@@ -6,9 +6,10 @@
 #include <set>
 #include <utility>
 
-#include "daemon/config/config.h"
 #include "daemon/config/reading.h"
 #include "daemon/config/rows.h"
+#include "daemon/config/sensors.h"
+#include "daemon/config/vehicle.h"
 
 namespace lidard {
 namespace {
@@ -24,8 +25,7 @@ KeyMap shown_settings(std::map<std::string, SourceSettings>& of_sources) {
 }
 
 std::string expected_sources(const Reading& reading) {
-  std::string expected =
-      "names of sensors that give scans: " + names_of(reading.config.sensors, FrameKind::scan);
+  std::string expected = "names of sensors that give scans: " + names_of(reading.sensors, FrameKind::scan);
   const char* separator = "; or virtual scans: ";
   for (const Candidate& one : reading.candidates) {
     if (one.source.kind == Source::Kind::virtual_scan)
@@ -119,7 +119,7 @@ void refuse_flat_sources(const SourceList& sources, const Merged& merged) {
 }
 
 void warn_without_footprint(const Mapping& yaml, const Merged& merged, Reading& reading) {
-  if (!merged.has_visibility() || !reading.config.vehicle.footprint.empty()) return;
+  if (!merged.has_visibility() || !reading.vehicle.footprint.empty()) return;
   reading.warn(yaml.where("profile").location(),
                yaml.self().path() +
                    " is to say what is observed, but vehicle.footprint is not set: where the vehicle hides "
@@ -146,7 +146,7 @@ Merged read_merged(const std::string& name, const Value& entry, Reading& reading
   const Keys keys = merged_keys(merged);
   const Mapping yaml = mapping_of(entry, keys, mistakes);
   merged.name = name;
-  merged.destination_frame = reading.config.vehicle.base_frame;
+  merged.destination_frame = reading.vehicle.base_frame;
   merged.scan_destination_topic = name;
   const auto gives_scans = [](const Value&, const Reading&) { return FrameKind::scan; };
   SourceList sources;
@@ -159,7 +159,7 @@ Merged read_merged(const std::string& name, const Value& entry, Reading& reading
   // The limit is not known while a key is wrong.
   if (!mistakes.any()) mistakes.attempt([&] { read_free_required(yaml, merged); });
   mistakes.attempt([&] {
-    if (merged.destination_frame == reading.config.vehicle.odometry_frame)
+    if (merged.destination_frame == reading.vehicle.odometry_frame)
       yaml.where("destination_frame")
           .fail("is vehicle.odometry_frame", "a frame that moves with the vehicle");
   });
@@ -229,8 +229,8 @@ Keys merged_keys(Merged& merged) {
         also_key(merged.also)}});
 }
 
-void read_merged_scans(const Mapping& root, Reading& reading) {
-  read_entries(root.find("merged_scans"), reading.config.merged_scans, reading, read_merged);
+void read_merged_scans(const Mapping& root, std::vector<Merged>& merged_scans, Reading& reading) {
+  read_entries(root.find("merged_scans"), merged_scans, reading, read_merged);
 }
 
 }  // namespace lidard

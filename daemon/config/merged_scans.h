@@ -41,6 +41,6 @@ struct MergedScanConfig {
 Keys merged_keys(MergedScanConfig& merged);
 /// Of an entry of `source_settings:`.
 Keys source_keys(SourceSettings& settings);
-void read_merged_scans(const Mapping& root, Reading& reading);
+void read_merged_scans(const Mapping& root, std::vector<MergedScanConfig>& merged_scans, Reading& reading);
 
 }  // namespace lidard

@@ -5,12 +5,11 @@
 #include <algorithm>
 
 #include "core/base/nearest.h"
-#include "daemon/config/config.h"
 
 namespace lidard {
 
 void Reading::warn(const Location& location, const std::string& what) {
-  config.warnings.push_back(location.to_string() + ": " + what);
+  warnings.push_back(location.to_string() + ": " + what);
 }
 
 void Reading::add_invalid_names(const std::string& name, const Value& entry) {

@@ -13,7 +13,10 @@
 
 namespace lidard {
 
-struct Config;
+struct VehicleConfig;
+struct SensorConfig;
+struct MergedCloudConfig;
+struct VirtualScanConfig;
 
 /// What must be unique among all parts of a configuration, gathered while they are read.
 class ConfigClaims {
@@ -70,7 +73,13 @@ struct Candidate {
 
 /// A configuration while it is read: the parts so far, in their order, and what concerns all of them.
 struct Reading {
-  Config& config;
+  const std::string& file;
+  std::vector<std::string>& warnings;
+  VehicleConfig& vehicle;
+  std::vector<SensorConfig>& sensors;
+  std::vector<MergedCloudConfig>& merged_clouds;
+  std::vector<VirtualScanConfig>& virtual_scans;
+
   ConfigClaims claims{};
   std::vector<Candidate> candidates{};
   std::set<std::string> invalid_names{};  ///< without leading slash

@@ -3,8 +3,8 @@
 // The keys that merged scans and merged clouds share: when one is published.
 #include "daemon/config/schedule.h"
 
-#include "daemon/config/config.h"
 #include "daemon/config/reading.h"
+#include "daemon/config/vehicle.h"
 
 namespace lidard {
 namespace {
@@ -61,7 +61,7 @@ void check_schedule(const Mapping& yaml, const SourceList& list, ScheduleSetting
 
 void check_destination(const Mapping& yaml, const std::string& frame, std::optional<Pose>& pose,
                        Reading& reading) {
-  const std::string& base = reading.config.vehicle.base_frame;
+  const std::string& base = reading.vehicle.base_frame;
   if (pose)
     reading.claims.holds_frame(frame, base, *pose, yaml.self().path(), yaml.where("destination_pose"));
   else if (frame == base)

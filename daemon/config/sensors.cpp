@@ -10,11 +10,11 @@
 #include <cstring>
 #include <utility>
 
-#include "daemon/config/config.h"
 #include "daemon/config/filter.h"
 #include "daemon/config/reading.h"
 #include "daemon/config/rows.h"
-#include "daemon/config/yaml.h"
+#include "daemon/config/vehicle.h"
+#include "daemon/yaml/yaml.h"
 #include "drivers/calibration_file.h"
 #include "drivers/registry/nearest_models.h"
 #include "drivers/registry/registry.h"
@@ -95,7 +95,7 @@ void check_requests(const Mapping& yaml, SensorConfig& sensor) {
 void check_control_of(const Mapping& parent, SensorConfig& sensor, Reading& reading) {
   sensor.control.data_port = sensor.ip_port;
   if (!parent.has("control")) return;
-  check_control(parent.inside("control"), sensor.ip_address, sensor.control, reading.config.warnings);
+  check_control(parent.inside("control"), sensor.ip_address, sensor.control, reading.warnings);
   if (sensor.control.read) sensor.driver.control = std::make_shared<VelodyneControl>(sensor.control);
 }
 
@@ -141,7 +141,7 @@ void read_ring_scan(const Mapping& yaml, SensorConfig& sensor) {
 }
 
 void check_cloud(const Mapping& yaml, SensorConfig& sensor, const Reading& reading) {
-  if (sensor.deskew && !reading.config.vehicle.has_motion() && reading.is_vehicle_valid)
+  if (sensor.deskew && !reading.vehicle.has_motion() && reading.is_vehicle_valid)
     yaml.where("deskew").fail_at_key("needs to know how the vehicle moves",
                                      "vehicle.odometry_frame, vehicle.odometry_topic or vehicle.imu_topic");
   if (!sensor.model->has(Trait::revolutions)) return;
@@ -160,7 +160,7 @@ void claim_topics(const Mapping& yaml, const SensorConfig& sensor, Reading& read
 
 /// Claims the pose of the sensor's frame; frames in messages of other drivers are not known.
 void claim_pose(const Mapping& yaml, SensorConfig& sensor, Reading& reading) {
-  const std::string& base = reading.config.vehicle.base_frame;
+  const std::string& base = reading.vehicle.base_frame;
   if (sensor.pose)
     reading.claims.holds_frame(sensor.frame_id, base, *sensor.pose, yaml.self().path(), yaml.where("pose"));
   else if (sensor.model != nullptr && sensor.frame_id == base)
@@ -197,14 +197,13 @@ void read_calibration(const Mapping& yaml, SensorConfig& sensor, Reading& readin
   if (const auto file = yaml.find("calibration")) {
     const std::string expected = "a calibration file, relative to the configuration's folder";
     sensor.calibration = file->text(expected);
-    const std::string path = in_folder_of(reading.config.file, sensor.calibration);
+    const std::string path = in_folder_of(reading.file, sensor.calibration);
     if (::access(path.c_str(), R_OK) != 0)
       file->fail("is " + file->quoted() + ", which cannot be read: " + std::strerror(errno), expected);
     read = {path, read_file(path, calibration_files)};
     sensor.calibration_digest = std::hash<std::string>()(read->text);
   }
-  sensor.driver.calibration =
-      check_calibration(yaml, *sensor.model, read, parse_yaml, reading.config.warnings);
+  sensor.driver.calibration = check_calibration(yaml, *sensor.model, read, parse_yaml, reading.warnings);
 }
 
 void check_filter_of(const Mapping& parent, SensorConfig& sensor) {
@@ -234,7 +233,7 @@ void check_sensor(const Mapping& yaml, SensorConfig& sensor, Reading& reading) {
   mistakes.attempt([&] { claim_pose(yaml, sensor, reading); });
   if (sensor.model != nullptr) check_device(yaml, sensor, reading, mistakes);
   mistakes.attempt([&] { claim_topics(yaml, sensor, reading); });
-  mistakes.attempt([&] { check_distinct(yaml, sensor, reading.config.sensors); });
+  mistakes.attempt([&] { check_distinct(yaml, sensor, reading.sensors); });
   mistakes.throw_if_any();
 }
 
@@ -320,6 +319,12 @@ Source source_of(const SensorConfig& sensor) {
   return {Source::Kind::sensor, sensor.name, model.range_min, model.range_max, proven};
 }
 
+const SensorConfig* find_sensor(const std::vector<SensorConfig>& sensors, const std::string& name) {
+  const auto found =
+      std::find_if(sensors.begin(), sensors.end(), [&](const auto& one) { return one.name == name; });
+  return found == sensors.end() ? nullptr : &*found;
+}
+
 std::string names_of(const std::vector<SensorConfig>& sensors, FrameKind kind) {
   std::string list;
   for (const SensorConfig& sensor : sensors) {
@@ -334,8 +339,8 @@ void read_sensors(const Mapping& root, Reading& reading) {
   // A section that is indented too far is an unknown key of `vehicle`.
   if (!root.has("sensors") && !reading.is_vehicle_valid) return;
   const Value section = root.require("sensors", expected);
-  read_entries(section, reading.config.sensors, reading, read_sensor);
-  if (reading.config.sensors.empty()) section.fail("is empty", expected);
+  read_entries(section, reading.sensors, reading, read_sensor);
+  if (reading.sensors.empty()) section.fail("is empty", expected);
 }
 
 std::vector<Flow> flows_of(const SensorConfig& sensor) {

@@ -59,6 +59,8 @@ struct SensorConfig {
   }
 };
 
+/// Of `name`; nullptr: there is none.
+const SensorConfig* find_sensor(const std::vector<SensorConfig>& sensors, const std::string& name);
 /// The topic of a sensor's own frames: its cloud, or its scan.
 OutputTopic frame_topic(const SensorConfig& sensor);
 /// Everything that a sensor of ours may publish on; a source with `topic:` publishes nothing.

@@ -8,7 +8,6 @@
 #include <boost/geometry/geometries/point_xy.hpp>
 #include <boost/geometry/geometries/polygon.hpp>
 
-#include "daemon/config/config.h"
 #include "daemon/config/reading.h"
 #include "daemon/config/rows.h"
 
@@ -98,7 +97,7 @@ Keys vehicle_keys(VehicleConfig& vehicle) {
 void read_vehicle(const Mapping& root, Reading& reading) {
   const auto section = root.find("vehicle");
   if (!section) return;
-  VehicleConfig& vehicle = reading.config.vehicle;
+  VehicleConfig& vehicle = reading.vehicle;
   check_vehicle(read_section(*section, vehicle_keys(vehicle)), vehicle, reading.claims);
 }
 

@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <utility>
 
-#include "daemon/config/config.h"
+#include "daemon/config/merged_clouds.h"
 #include "daemon/config/reading.h"
 #include "daemon/config/rows.h"
+#include "daemon/config/sensors.h"
+#include "daemon/config/vehicle.h"
 
 namespace lidard {
 namespace {
@@ -87,7 +89,7 @@ void refuse_without_visibility(const Mapping& yaml, Virtual& scan) {
 /// What follows for the sources of a scan that knows free space.
 void prepare_sources(const std::vector<std::string>& sources, Reading& reading) {
   // A beam that met something too near to measure is not free.
-  for (SensorConfig& sensor : reading.config.sensors) {
+  for (SensorConfig& sensor : reading.sensors) {
     if (std::find(sources.begin(), sources.end(), sensor.name) != sources.end())
       sensor.driver.keep_too_near = true;
   }
@@ -103,9 +105,9 @@ double default_free_range(const SensorConfig& sensor) {
 
 /// The sensors behind cloud_topic.
 std::vector<std::string> read_cloud_source(const Mapping& yaml, Virtual& scan, Reading& reading) {
-  std::string expected = "a sensor that gives clouds: " + names_of(reading.config.sensors, FrameKind::cloud);
+  std::string expected = "a sensor that gives clouds: " + names_of(reading.sensors, FrameKind::cloud);
   const char* separator = "; or a merged cloud: ";
-  for (const MergedCloudConfig& merged : reading.config.merged_clouds)
+  for (const MergedCloudConfig& merged : reading.merged_clouds)
     expected += std::exchange(separator, ", ") + merged.name;
   const Value named = yaml.require("cloud_topic", expected);
   const Source source = read_source(named, FrameKind::cloud, reading, expected);
@@ -116,11 +118,12 @@ std::vector<std::string> read_cloud_source(const Mapping& yaml, Virtual& scan, R
 }
 
 /// What holds for a scan of these sensors unless the file says otherwise.
-void set_defaults(const std::vector<std::string>& sources, const Config& config, Virtual& scan) {
+void set_defaults(const std::vector<std::string>& sources, const std::vector<SensorConfig>& sensors,
+                  Virtual& scan) {
   std::vector<Source> limits;
   std::optional<double> free_range;
   for (const std::string& name : sources) {
-    const SensorConfig& sensor = *config.find_sensor(name);
+    const SensorConfig& sensor = *find_sensor(sensors, name);
     limits.push_back(source_of(sensor));
     if (sensor.model != nullptr && sensor.model->kind == FrameKind::scan) continue;
     const double own = default_free_range(sensor);
@@ -162,10 +165,10 @@ Virtual read_virtual(const std::string& name, const Value& entry, Reading& readi
   const Keys keys = virtual_keys(scan);
   const Mapping yaml = mapping_of(entry, keys, mistakes);
   scan.name = name;
-  scan.base_frame = reading.config.vehicle.base_frame;
+  scan.base_frame = reading.vehicle.base_frame;
   std::vector<std::string> sources;
   mistakes.attempt([&] { sources = read_cloud_source(yaml, scan, reading); });
-  set_defaults(sources, reading.config, scan);
+  set_defaults(sources, reading.sensors, scan);
   read_keys(yaml, keys, mistakes);
   if (!scan.virtual_laser_scan.empty()) mistakes.attempt([&] { read_poses(yaml, scan, reading); });
   // The rules between keys need all of them.
@@ -226,7 +229,7 @@ Keys virtual_keys(Virtual& scan) {
 }
 
 void read_virtual_scans(const Mapping& root, Reading& reading) {
-  read_entries(root.find("virtual_scans"), reading.config.virtual_scans, reading, read_virtual);
+  read_entries(root.find("virtual_scans"), reading.virtual_scans, reading, read_virtual);
 }
 
 }  // namespace lidard

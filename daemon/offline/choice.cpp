@@ -6,7 +6,8 @@
 #include <ostream>
 #include <stdexcept>
 
-#include "daemon/config/calibration_file.h"
+#include "daemon/yaml/yaml.h"
+#include "drivers/calibration_file.h"
 #include "drivers/config_error.h"
 #include "drivers/registry/nearest_models.h"
 #include "drivers/registry/registry.h"
@@ -79,6 +80,10 @@ void check_single(const std::vector<std::string>& captures, const std::vector<Fo
   if (sensors.size() > 1)
     throw std::runtime_error(captures.front() + ": " + std::to_string(sensors.size()) +
                              " sensors found; choose one with --source and --port:" + list_of(sensors));
+}
+
+Calibration load_calibration(const std::string& path, std::vector<std::string>& warnings) {
+  return parse_calibration(read_file(path, calibration_files), path, parse_yaml, warnings);
 }
 
 CalibrationPtr read_calibration(const CaptureChoice& choice, std::ostream& err) {

@@ -47,6 +47,8 @@ void check_single(const std::vector<std::string>& captures, const std::vector<Fo
 /// "velodyne_vlp16 192.168.1.201 -> port 2368".
 std::string text_of(const FoundSensor& sensor);
 
+/// Reads a calibration file as parse_calibration() does.
+Calibration load_calibration(const std::string& path, std::vector<std::string>& warnings);
 using CalibrationPtr = std::shared_ptr<const Calibration>;
 /// The requested file, with its notes in `err`; nullptr: none is requested. Throws ConfigError.
 CalibrationPtr read_calibration(const CaptureChoice& choice, std::ostream& err);

@@ -9,8 +9,8 @@
 
 #include "core/base/angle.h"
 #include "core/base/number_text.h"
-#include "daemon/config/yaml.h"
 #include "daemon/pipeline/frame_tree.h"
+#include "daemon/yaml/yaml.h"
 
 namespace lidard {
 namespace {

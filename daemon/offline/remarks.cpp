@@ -10,7 +10,7 @@
 
 #include "core/base/angle.h"
 #include "core/evidence/beam_rays.h"
-#include "daemon/config/yaml.h"
+#include "daemon/yaml/yaml.h"
 #include "drivers/calibration.h"
 #include "drivers/document.h"
 #include "drivers/net/host_network.h"

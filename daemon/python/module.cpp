@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <sstream>
 
-#include "daemon/config/yaml.h"
 #include "daemon/files/json_text.h"
 #include "daemon/offline/forecast.h"
 #include "daemon/offline/remarks.h"
@@ -15,6 +14,7 @@
 #include "daemon/pipeline/log.h"
 #include "daemon/python/capture_reader.h"
 #include "daemon/python/replay_reader.h"
+#include "daemon/yaml/yaml.h"
 
 namespace py = pybind11;
 

@@ -6,8 +6,9 @@
 #include <cstdlib>
 #include <string>
 
-#include "daemon/config/calibration_file.h"
 #include "daemon/config/config.h"
+#include "daemon/yaml/yaml.h"
+#include "drivers/calibration_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace lidard;

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "daemon/commands/commands.h"
-#include "daemon/config/yaml.h"
+#include "daemon/yaml/yaml.h"
 #include "drivers/model.h"
 #include "drivers/registry/registry.h"
 #include "test/support/captures.h"

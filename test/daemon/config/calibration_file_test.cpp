@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/config/calibration_file.h"
+#include "drivers/calibration_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -5,8 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "daemon/config/calibration_file.h"
 #include "daemon/config/config.h"
+#include "daemon/offline/choice.h"
+#include "daemon/yaml/yaml.h"
+#include "drivers/calibration_file.h"
 
 namespace lidard::test {
 

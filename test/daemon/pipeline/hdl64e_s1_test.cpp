@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <memory>
 
-#include "daemon/config/calibration_file.h"
+#include "daemon/offline/choice.h"
 #include "drivers/model.h"
 #include "drivers/registry/registry.h"
 #include "test/support/captures.h"

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
 // YAML of yaml-cpp, with better messages than its own.
-#include "daemon/config/yaml.h"
+#include "daemon/yaml/yaml.h"
 
 #include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
