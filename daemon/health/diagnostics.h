@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -12,6 +13,9 @@
 #include "daemon/pipeline/sink.h"
 
 namespace lidard {
+
+/// An incident is in the state of its item for so long after it.
+constexpr std::chrono::seconds incident_lasts{10};
 
 /// One status of /diagnostics. Keys as in REP 138 where it has one; `hardware_id` is the serial number (REP
 /// 107).

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "daemon/health/counted.h"
 #include "daemon/health/sentences.h"
 
 namespace lidard {
@@ -116,13 +117,10 @@ std::string rivals_text(const Reception& r, std::uint16_t port) {
 }
 
 std::string rejected_text(const Counters& counters) {
-  std::string reasons;
-  for (std::size_t i = 1; i < reject_reasons; ++i) {
-    if (counters.rejected[i] == 0) continue;
-    reasons += std::string(reasons.empty() ? " (" : ", ") + to_string(static_cast<Reject>(i)) + " " +
-               std::to_string(counters.rejected[i]);
-  }
-  return std::to_string(counters.rejected_total()) + (reasons.empty() ? "" : reasons + ")");
+  Counted reasons;
+  for (std::size_t i = 1; i < reject_reasons; ++i)
+    reasons.add(to_string(static_cast<Reject>(i)), counters.rejected[i]);
+  return std::to_string(counters.rejected_total()) + reasons.in_brackets();
 }
 
 }  // namespace lidard

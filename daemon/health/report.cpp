@@ -5,10 +5,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cstring>
 #include <ostream>
 
+#include "daemon/health/counted.h"
 #include "daemon/health/output_health.h"
 #include "daemon/health/reception_verdict.h"
 #include "daemon/health/sentences.h"
@@ -16,52 +16,9 @@
 namespace lidard {
 namespace {
 
-/// Counters that are not 0, on one line.
-class Line {
- public:
-  explicit Line(std::ostream& out) : out_(out) {}
-  ~Line() {
-    if (!empty_) out_ << '\n';
-  }
-  Line(const Line&) = delete;
-  Line& operator=(const Line&) = delete;
-
-  void add(const char* name, std::uint64_t n) {
-    if (n != 0) out_ << (empty_ ? "  " : ", ") << name << ' ' << n, empty_ = false;
-  }
-  template <class Owner, std::size_t n>
-  void add(const NamedCounter<Owner> (&counters)[n], const Owner& owner) {
-    for (const auto& counter : counters) add(counter.words, owner.*counter.value);
-  }
-
- private:
-  std::ostream& out_;
-  bool empty_ = true;
-};
-
-}  // namespace
-
-void print_counters(const Counters& c, std::ostream& out) {
-  out << "  packets " << c.packets << ", rejected " << rejected_text(c) << ", lost " << c.lost_packets
-      << '\n';
-  Line line(out);
-  line.add("other packets", c.other_packets);
-  line.add(trouble_counters, c);
+void print_line(const Counted& counted, std::ostream& out) {
+  if (!counted.text().empty()) out << "  " << counted.text() << '\n';
 }
-
-std::string filter_text(const FilterCounters& counters) {
-  std::uint64_t removed = 0;
-  std::string reasons;
-  for (const auto& counter : filter_counters) {
-    const std::uint64_t n = counters.*counter.value;
-    if (n == 0) continue;
-    removed += n;
-    reasons += fmt::format("{}{} {}", reasons.empty() ? " (" : ", ", counter.words, n);
-  }
-  return text<says::filter_counts>(removed, counters.returns, reasons.empty() ? "" : reasons + ")");
-}
-
-namespace {
 
 std::string filter_trouble(const FilterStatus& filter) {
   constexpr std::uint64_t many_frames = 10;
@@ -73,6 +30,23 @@ std::string filter_trouble(const FilterStatus& filter) {
 
 }  // namespace
 
+void print_counters(const Counters& c, std::ostream& out) {
+  out << "  packets " << c.packets << ", rejected " << rejected_text(c) << ", lost " << c.lost_packets
+      << '\n';
+  Counted line;
+  line.add("other packets", c.other_packets);
+  line.add(trouble_counters, c);
+  print_line(line, out);
+}
+
+std::string filter_text(const FilterCounters& counters) {
+  std::uint64_t removed = 0;
+  for (const auto& counter : filter_counters) removed += counters.*counter.value;
+  Counted reasons;
+  reasons.add(filter_counters, counters);
+  return text<says::filter_counts>(removed, counters.returns, reasons.in_brackets());
+}
+
 std::string filter_trouble(const std::vector<FilterStatus>& filters) {
   for (const FilterStatus& filter : filters) {
     if (std::string trouble = filter_trouble(filter); !trouble.empty()) return trouble;
@@ -81,10 +55,11 @@ std::string filter_trouble(const std::vector<FilterStatus>& filters) {
 }
 
 void print_capture_counters(const CaptureCounters& c, std::uint64_t other_datagrams, std::ostream& out) {
-  Line line(out);
+  Counted line;
   line.add("capture: datagrams of other senders or ports", other_datagrams);
   line.add(capture_losses, c);
   line.add(tcp_losses, c.tcp);
+  print_line(line, out);
 }
 
 void print_table(const std::vector<SensorStatus>& sensors, std::ostream& out) {

@@ -26,9 +26,7 @@ double window_s(const Reception& recent) { return std::min(10.0, recent.watched_
 
 /// All warnings of the device.
 std::string warnings_of(const SensorStatus& report) {
-  std::string text;
-  for (const std::string& warning : report.info.warnings) text += (text.empty() ? "" : ". ") + warning;
-  return text;
+  return fmt::to_string(fmt::join(report.info.warnings, ". "));
 }
 
 /// That nothing comes, with the likeliest cause.

@@ -95,10 +95,9 @@ bool CloudWorker::is_stalled() {
 void CloudWorker::add_items(std::vector<DiagnosticItem>& items) const {
   if (!forwards_) return;
   DiagnosticItem item{"virtual scans to merge"};
-  constexpr Span news = std::chrono::seconds(10);
   item.add("Scans dropped", dropped_.load());
-  dropped_ > 0 && clock_.now() - dropped_at_.load() < news ? item.set<says::scans_dropped>()
-                                                           : item.set<says::all_handed_over>();
+  dropped_ > 0 && clock_.now() - dropped_at_.load() < incident_lasts ? item.set<says::scans_dropped>()
+                                                                     : item.set<says::all_handed_over>();
   items.push_back(std::move(item));
 }
 

@@ -48,8 +48,7 @@ class DaemonClock {
     item.set<says::clock_even>();
     item.values = {{"Steps", std::to_string(clock_.steps())},
                    {"Sum of Steps (s)", fmt::format("{:.3f}", seconds(clock_.step()))}};
-    constexpr Span news = std::chrono::seconds(10);
-    if (clock_.steps() > 0 && now - set_at_ < news) item.set<says::clock_set>(seconds(last_step_));
+    if (clock_.steps() > 0 && now - set_at_ < incident_lasts) item.set<says::clock_set>(seconds(last_step_));
     return item;
   }
 

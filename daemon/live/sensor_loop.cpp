@@ -151,8 +151,7 @@ void SensorLoop::schedule_tick() {
 
 DiagnosticItem SensorLoop::load_item() const {
   DiagnosticItem item{"computer"};
-  const bool stalled =
-      stalled_at_ && std::chrono::steady_clock::now() - *stalled_at_ < std::chrono::seconds(10);
+  const bool stalled = stalled_at_ && std::chrono::steady_clock::now() - *stalled_at_ < incident_lasts;
   stalled ? item.set<says::too_busy>(stalled_s_) : item.set<says::read_in_time>();
   return item;
 }

@@ -126,8 +126,7 @@ void UdpPorts::add_diagnostics(std::vector<DiagnosticItem>& items) const {
     if (item.health == Health::ok && !port.source->warning().empty()) {
       item.set(Health::warn, port.source->warning());
     }
-    constexpr auto news = std::chrono::seconds(10);
-    if (stats.kernel_drops > 0 && std::chrono::steady_clock::now() - port.dropped_at < news)
+    if (stats.kernel_drops > 0 && std::chrono::steady_clock::now() - port.dropped_at < incident_lasts)
       item.set<says::lost_in_kernel>();
     item.add("Datagrams", stats.datagrams);
     item.add("Kernel drops", stats.kernel_drops);

@@ -41,12 +41,11 @@ std::optional<FrameKind> use_of(const std::string& sensor, const Config& config)
 }
 
 void judge(const SourceReport& report, bool waits, DiagnosticItem& item) {
-  constexpr auto news = std::chrono::seconds(10);
   if (!report.wrong_type.empty()) {
     item.set(Health::error, report.wrong_type);
   } else if (report.messages == 0) {
     waits ? item.set<says::waiting_for_message>() : item.set<says::nobody_publishes>(report.topic);
-  } else if (report.rejected > 0 && std::chrono::steady_clock::now() - report.rejected_at < news) {
+  } else if (report.rejected > 0 && std::chrono::steady_clock::now() - report.rejected_at < incident_lasts) {
     item.set<says::unusable_messages>(report.last_reason, report.topic);
   } else {
     item.set<says::receiving>();

@@ -28,8 +28,6 @@ constexpr std::size_t least_depth = 2;
 /// After this long a subscriber that reads nothing counts as stuck, and a replay goes on without it.
 constexpr auto stuck_subscriber = std::chrono::seconds(10);
 constexpr auto between_counts = std::chrono::milliseconds(100);
-/// A loss is reported for so long.
-constexpr auto news_of_a_loss = std::chrono::seconds(10);
 
 bool is_free(const boost::shared_array<std::uint8_t>& buffer) { return buffer.use_count() == 1; }
 
@@ -126,7 +124,7 @@ std::size_t PublisherThread::PublishedTopic::in_flight() {
 }
 
 bool PublisherThread::PublishedTopic::loses() const {
-  return lost > 0 && Clock::now() - lost_at.load() < news_of_a_loss;
+  return lost > 0 && Clock::now() - lost_at.load() < incident_lasts;
 }
 
 PublisherThread::PublisherThread(const RosOptions& options, ThreadWatch& watch, OnDiagnostics on_diagnostics)
