@@ -10,7 +10,7 @@
 #include "daemon/health/output_health.h"
 #include "daemon/health/reception_verdict.h"
 #include "daemon/health/report.h"
-#include "daemon/pipeline/sensor.h"
+#include "daemon/pipeline/context.h"
 
 namespace lidard {
 namespace {

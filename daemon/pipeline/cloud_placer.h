@@ -9,9 +9,9 @@
 
 #include "core/frames/cloud_layout.h"
 #include "core/motion/frame_motion.h"
+#include "core/motion/pose_gate.h"
 #include "daemon/config/config.h"
-#include "daemon/pipeline/pose_gate.h"
-#include "daemon/pipeline/vehicle_motion.h"
+#include "daemon/pipeline/context.h"
 
 namespace lidard {
 
@@ -22,8 +22,8 @@ class CloudPlacer {
  public:
   using Publish = std::function<void(Cloud& cloud, Stamp now)>;
 
-  /// The arguments must outlive this. `publish` may swap out the bytes of the points.
-  CloudPlacer(const SensorConfig& sensor, const CloudArranger& arranger, VehicleMotion& motion,
+  /// The other arguments must outlive this. `publish` may swap out the bytes of the points.
+  CloudPlacer(const SensorConfig& sensor, const CloudArranger& arranger, const PipelineContext& context,
               Publish publish);
   static bool is_wanted(const SensorConfig& sensor) { return sensor.deskew || !sensor.points_frame.empty(); }
 
@@ -52,7 +52,7 @@ class CloudPlacer {
 
   const SensorConfig& sensor_;
   const CloudArranger& arranger_;
-  VehicleMotion& vehicle_;
+  const PipelineContext& context_;
   Publish publish_;
   PoseGate gate_;
   std::vector<Waiting> clouds_;  // the first `waiting_` ones, oldest first
