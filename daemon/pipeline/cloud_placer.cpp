@@ -3,7 +3,6 @@
 #include "daemon/pipeline/cloud_placer.h"
 
 #include <algorithm>
-#include <utility>
 
 namespace lidard {
 namespace {
@@ -15,10 +14,6 @@ constexpr Span between_tries = std::chrono::milliseconds(5);
 constexpr std::size_t most_waiting = 4;
 
 }  // namespace
-
-CloudPlacer::CloudPlacer(const SensorConfig& sensor, const CloudArranger& arranger,
-                         const PipelineContext& context, Publish publish)
-    : sensor_(sensor), arranger_(arranger), context_(context), publish_(std::move(publish)) {}
 
 void CloudPlacer::add(const Cloud& cloud, Stamp now) {
   if (waiting_ == most_waiting) release_first(now);
@@ -92,7 +87,7 @@ bool CloudPlacer::release(Waiting& waiting, bool may_wait, Stamp now) {
   // Points that do not move stay bit-identical.
   if (!motion.stands() || frame != cloud.frame_id) move_points(motion, frame_from_lidar, cloud);
   cloud.frame_id = frame;
-  publish_(cloud, now);
+  topic_.deliver(arranger_.message_of(cloud), now);
   return true;
 }
 

@@ -46,9 +46,6 @@ Sensor::Sensor(const SensorConfig& config, std::size_t index, const PipelineCont
   driver_ = config.model->make(config.driver);
   if (config.filter.any()) filter_.emplace(config.filter), ring_filter_.emplace(config.filter);
   if (config.ring_scan) ring_scan_.emplace(*config.ring_scan);
-  if (CloudPlacer::is_wanted(config))
-    placer_.emplace(config_, arranger_, context,
-                    [this](Cloud& cloud, Stamp now) { publish_cloud(cloud, now); });
   for (const OutputTopic& topic : sensor_topics(config_)) {
     Route& route = context.router.topic(topic.name);
     if (!topic.from.empty())
@@ -60,6 +57,7 @@ Sensor::Sensor(const SensorConfig& config, std::size_t index, const PipelineCont
     else
       more_scan_topics_.push_back(&route);
   }
+  if (CloudPlacer::is_wanted(config)) placer_.emplace(config_, arranger_, context, *topic_);
 }
 
 void Sensor::change(const SensorConfig& wanted) {
@@ -155,11 +153,7 @@ void Sensor::cloud(Cloud& cloud) {
   if (placer_)
     placer_->add(cloud, context_.now);
   else
-    publish_cloud(cloud, context_.now);
-}
-
-void Sensor::publish_cloud(Cloud& cloud, Stamp now) {
-  topic_->deliver(arranger_.is_plain() ? cloud : arranger_.arrange(cloud), now);
+    topic_->deliver(arranger_.message_of(cloud), context_.now);
 }
 
 void Sensor::deliver(const Frame& frame, Stamp stamp) {

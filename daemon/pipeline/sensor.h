@@ -18,9 +18,9 @@
 #include "daemon/pipeline/cloud_placer.h"
 #include "daemon/pipeline/context.h"
 #include "daemon/pipeline/raw_packets.h"
-#include "daemon/pipeline/reception.h"
 #include "daemon/pipeline/status.h"
 #include "drivers/capture/pcap_source.h"
+#include "drivers/reception.h"
 #include "drivers/registry/other_model.h"
 
 namespace lidard {
@@ -110,8 +110,6 @@ class Sensor final : public FrameReceiver {
   void publish_scan(Route& topic, std::optional<FrameFilter>& filter, PlanarScan& scan);
   /// The scan to publish of `scan`: with `counter_clockwise` that has its beams in this order.
   PlanarScan& in_order(PlanarScan& scan);
-  /// Publishes the sensor's cloud in the order and layout of its topic.
-  void publish_cloud(Cloud& cloud, Stamp now);
   /// Delivers a frame that was measured at `stamp` to what is made of it.
   void deliver(const Frame& frame, Stamp stamp);
   /// Publishes a message of the device on its topics.
