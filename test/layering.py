@@ -42,7 +42,7 @@ ROOMS = {
     "daemon/ros/velodyne": ["daemon/ros/messages"],
     "daemon/ros/sick": ["daemon/ros/messages"],
     "daemon/ros/out": ["daemon/ros/master", "daemon/ros/velodyne", "daemon/ros/sick"],
-    "daemon/ros/in": ["daemon/ros/master", "daemon/ros/velodyne"],
+    "daemon/ros/in": ["daemon/ros/master", "daemon/ros/velodyne", "daemon/offline"],
     "daemon/ros": ["daemon/ros/out", "daemon/ros/in"],
     "daemon/commands": ["daemon/ros", "daemon/offline"],
     "daemon/dropin": ["daemon/commands"],

@@ -34,10 +34,10 @@ class Flattener {
     x_[count_] = point.x();
     y_[count_] = point.y();
     intensity_[count_] = intensity;
-    if (++count_ == block) place();
+    if (++count_ == block) transform();
   }
   /// Ends the scan: writes the points that are still buffered.
-  void end() { place(); }
+  void end() { transform(); }
 
   /// Drops points inside the vehicle's outline (in the output frame).
   void set_footprint(const Footprint& footprint) { own_ = footprint; }
@@ -50,7 +50,7 @@ class Flattener {
   // Number of directions that are computed at once.
   static constexpr std::size_t block = 64;
 
-  void place() {
+  void transform() {
     std::array<float, block> x, y, ranges, beams;
     for (std::size_t i = 0; i < count_; ++i) {
       x[i] = static_cast<float>(x_[i]);

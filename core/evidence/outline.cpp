@@ -123,7 +123,7 @@ void Outlines::read_beams(const BeamRays& rays, const PlacedScan& sweep) {
   count_ = n;
   for (std::size_t k = 0; k < n; ++k) {
     const std::size_t i = clockwise ? n - 1 - k : k;
-    place_beam(rays, sweep, i, reach_, beams_[k]);
+    transform_beam(rays, sweep, i, reach_, beams_[k]);
     // The last beam is linked to none.
     const bool last = k + 1 == n;
     beams_[k].to_next = !last && sweep.linked[clockwise ? i - 1 : i] == PlacedScan::linked_surely;
@@ -134,8 +134,8 @@ void Outlines::read_beams(const BeamRays& rays, const PlacedScan& sweep) {
     if (!lone.thing) pass_lone_return(clockwise ? n - 1 - lone.beam : lone.beam);
 }
 
-void Outlines::place_beam(const BeamRays& rays, const PlacedScan& sweep, std::size_t i, float reach,
-                          Beam& b) {
+void Outlines::transform_beam(const BeamRays& rays, const PlacedScan& sweep, std::size_t i, float reach,
+                              Beam& b) {
   const auto at_x = static_cast<float>(rays.pose.translation().x()),
              at_y = static_cast<float>(rays.pose.translation().y());
   b.length = std::min(sweep.free_to[i], reach);

@@ -16,7 +16,7 @@ namespace lidard {
 ///          1----2            The outline of one sweep from its scanner S, counter-clockwise: from return to
 ///         /      \           return along a surface (1-2), out or in along a jump where a near return ends
 ///    .---0 jump   \          and a far one begins, an arc at the end of the reach of a beam without return,
-///    |             3         and back along the places from which the beams were measured.
+///    |             3         and back along the positions from which the beams were measured.
 ///    |            /          Left of an edge the source sees free space. Right of it lies what a return
 ///    S----------o----x-->    hides (`hides`), or what nobody looked at.
 ///
@@ -89,8 +89,8 @@ class Outlines {
   Edge& add_edge(std::uint32_t from, std::uint32_t to, int free, int hidden);
   void drop_needless_beams(std::vector<Beam>& beams) const;
   void read_beams(const BeamRays& rays, const PlacedScan& sweep);
-  static void place_beam(const BeamRays& rays, const PlacedScan& sweep, std::size_t i, float reach,
-                         Beam& beam);
+  static void transform_beam(const BeamRays& rays, const PlacedScan& sweep, std::size_t i, float reach,
+                             Beam& beam);
   /// Beam k, counted counter-clockwise and on beyond a full circle.
   Beam& beam(std::size_t k) const { return beams_[k < count_ ? k : k - count_]; }
   /// Link k of the chain, which may count on beyond its end.

@@ -8,7 +8,7 @@
 namespace lidard {
 namespace {
 
-constexpr float same_place = 0.1F;  // m, of a lone return in two sweeps
+constexpr float same_position = 0.1F;  // m, of a lone return in two sweeps
 
 /// Converts the beams of one scan to surfaces and free ranges.
 class Conditioner {
@@ -159,7 +159,7 @@ class Conditioner {
       while (before != sweep_.lone_before.end() && before->beam + 1 < i) ++before;
       bool thing = false;
       for (auto at = before; at != sweep_.lone_before.end() && at->beam <= i + 1; ++at)
-        thing = thing || std::fabs(at->range - range) < same_place;
+        thing = thing || std::fabs(at->range - range) < same_position;
       sweep_.lone_returns.push_back({i, range, thing});
     }
   }
@@ -185,8 +185,8 @@ class Conditioner {
   float open_;  // m, free range of a beam without return
 };
 
-/// Places returns of a vehicle at rest.
-void place_standing(const BeamRays& rays, PlacedScan& sweep) {
+/// Transforms returns of a vehicle at rest.
+void transform_standing(const BeamRays& rays, PlacedScan& sweep) {
   const auto x = static_cast<float>(rays.pose.translation().x());
   const auto y = static_cast<float>(rays.pose.translation().y());
   for (std::size_t beam = 0; beam < sweep.kind.size(); ++beam) {
@@ -204,9 +204,9 @@ Eigen::Vector3d ray_of(const BeamRays& rays, std::size_t beam) {
   return Eigen::Vector3f(rays.x[beam], rays.y[beam], rays.z[beam]).cast<double>();
 }
 
-/// Places returns and the ends of free ways of the beams of a stretch, in one component of the plane.
-void place_stretch(const BeamRays& rays, const SweepMotion::Stretch& stretch, Eigen::Index row,
-                   PlacedScan& sweep, float* at, float* free_end, float* origin) {
+/// Transforms returns and the ends of free ways of the beams of a stretch, in one component of the plane.
+void transform_stretch(const BeamRays& rays, const SweepMotion::Stretch& stretch, Eigen::Index row,
+                       PlacedScan& sweep, float* at, float* free_end, float* origin) {
   const Eigen::Vector4d here = rays.pose.translation().homogeneous();
   const double own = here[row], from = stretch.from.row(row) * here, change = stretch.change.row(row) * here;
   const Eigen::Vector4d turn = stretch.from.row(row), turning = stretch.change.row(row);
@@ -224,16 +224,16 @@ void place_stretch(const BeamRays& rays, const SweepMotion::Stretch& stretch, Ei
   }
 }
 
-/// Places returns and the ends of free ways of a moving vehicle.
-void place_moving(const BeamRays& rays, const SweepMotion& motion, PlacedScan& sweep) {
+/// Transforms returns and the ends of free ways of a moving vehicle.
+void transform_moving(const BeamRays& rays, const SweepMotion& motion, PlacedScan& sweep) {
   const Eigen::Vector3d& here = rays.pose.translation();
   sweep.free_x.resize(sweep.kind.size());
   sweep.free_y.resize(sweep.kind.size());
   sweep.origin_x.resize(sweep.kind.size());
   sweep.origin_y.resize(sweep.kind.size());
   for (const SweepMotion::Stretch& stretch : motion.stretches()) {
-    place_stretch(rays, stretch, 0, sweep, sweep.x.data(), sweep.free_x.data(), sweep.origin_x.data());
-    place_stretch(rays, stretch, 1, sweep, sweep.y.data(), sweep.free_y.data(), sweep.origin_y.data());
+    transform_stretch(rays, stretch, 0, sweep, sweep.x.data(), sweep.free_x.data(), sweep.origin_x.data());
+    transform_stretch(rays, stretch, 1, sweep, sweep.y.data(), sweep.free_y.data(), sweep.origin_y.data());
   }
   for (const PlacedScan::EarlyReturn& early : sweep.early_returns) {
     const Eigen::Vector3d p =
@@ -249,22 +249,22 @@ void measure(const PlanarScan& scan, const BeamRays& rays, const SourceSettings&
   Conditioner(scan, rays, settings, sweep).run();
 }
 
-void place(const BeamRays& rays, const SweepMotion& motion, double noise, PlacedScan& sweep) {
+void transform(const BeamRays& rays, const SweepMotion& motion, double noise, PlacedScan& sweep) {
   sweep.x.resize(sweep.kind.size());
   sweep.y.resize(sweep.kind.size());
   sweep.early_echoes.clear();
   sweep.moved = !motion.stands();
   if (sweep.moved)
-    place_moving(rays, motion, sweep);
+    transform_moving(rays, motion, sweep);
   else
-    place_standing(rays, sweep);
+    transform_standing(rays, sweep);
   find_corners(noise, sweep);
 }
 
 void condition(const PlanarScan& scan, const BeamRays& rays, const SourceSettings& settings,
                PlacedScan& sweep) {
   measure(scan, rays, settings, sweep);
-  place(rays, SweepMotion(), settings.noise, sweep);
+  transform(rays, SweepMotion(), settings.noise, sweep);
 }
 
 }  // namespace lidard

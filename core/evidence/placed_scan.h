@@ -95,12 +95,13 @@ struct PlacedScan {
   std::uint64_t mixed_pixels = 0;  ///< mixed pixels, since the start
 
   // The following members are in the output frame at the instant of the output.
-  std::vector<float> x, y;            ///< m; valid where kind is not `nothing`
-  std::vector<Corner> corners;        ///< by increasing beam
-  std::vector<Point> early_echoes;    ///< places of the early returns
-  bool moved = false;                 ///< the vehicle moved; free_x and free_y are valid
-  std::vector<float> free_x, free_y;  ///< m from the source's place at the instant to the end of the free way
-  std::vector<float> origin_x, origin_y;  ///< m from that place to where each beam began
+  std::vector<float> x, y;          ///< m; valid where kind is not `nothing`
+  std::vector<Corner> corners;      ///< by increasing beam
+  std::vector<Point> early_echoes;  ///< positions of the early returns
+  bool moved = false;               ///< the vehicle moved; free_x and free_y are valid
+  std::vector<float> free_x,
+      free_y;  ///< m from the source's position at the instant to the end of the free way
+  std::vector<float> origin_x, origin_y;  ///< m from that position to where each beam began
 };
 
 /// Fills `sweep` from a scan (conditioning, continuity, mixed pixels), except for the members in the output
@@ -108,9 +109,9 @@ struct PlacedScan {
 void measure(const PlanarScan& scan, const BeamRays& rays, const SourceSettings& settings, PlacedScan& sweep);
 
 /// Computes the members of `sweep` in the output frame; `noise` as in SourceSettings.
-void place(const BeamRays& rays, const SweepMotion& motion, double noise, PlacedScan& sweep);
+void transform(const BeamRays& rays, const SweepMotion& motion, double noise, PlacedScan& sweep);
 
-/// measure() and place() for a vehicle at rest.
+/// measure() and transform() for a vehicle at rest.
 void condition(const PlanarScan& scan, const BeamRays& rays, const SourceSettings& settings,
                PlacedScan& sweep);
 

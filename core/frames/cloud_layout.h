@@ -43,6 +43,8 @@ class CloudArranger {
   /// The arranged cloud, valid until the next call; its bytes may be swapped out. `cloud` stays as it is. A
   /// cloud without columns (of another driver) cannot be organised and stays a list.
   Cloud& arrange(const Cloud& cloud);
+  /// The cloud as its message holds it: itself where nothing is to do.
+  Cloud& message_of(Cloud& cloud) { return is_plain() ? cloud : arrange(cloud); }
 
  private:
   bool is_organised(const Cloud& cloud) const {

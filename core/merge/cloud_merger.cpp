@@ -46,7 +46,7 @@ void to_cloud(const PlanarScan& scan, bool with_points, Cloud& cloud) {
 
 using Transform = Eigen::Matrix<float, 3, 4>;
 
-/// A return at its place in the merged cloud.
+/// A return in the frame of the merged cloud.
 MergedPoint moved(const CloudPoint& p, const Transform& t, float time, std::uint16_t sensor) {
   return {{t(0, 0) * p.x + t(0, 1) * p.y + t(0, 2) * p.z + t(0, 3),
            t(1, 0) * p.x + t(1, 1) * p.y + t(1, 2) * p.z + t(1, 3),
@@ -116,7 +116,7 @@ bool CloudMerger::can_be_organised() const {
          });
 }
 
-/// Gives each source its place in the merged cloud. Slots of an organised one are NaN until a return is
+/// Gives each source its slots in the merged cloud. Slots of an organised one are NaN until a return is
 /// written there.
 void CloudMerger::set_slots(MergedCloud& merged) {
   std::size_t rows = 0, points = 0;

@@ -23,7 +23,7 @@ class CloudMerger {
   /// is NaN. A cloud without firing sequences (of another driver) makes all of it a list.
   CloudMerger(std::size_t sources, bool organised);
 
-  /// Keeps a copy, without points unless `with_points`; `vehicle_from_cloud` is the place of its lidar. False
+  /// Keeps a copy, without points unless `with_points`; `vehicle_from_cloud` is the pose of its lidar. False
   /// for what is not newer than the source's last one: it is counted and not used. A stamp more than 1 s back
   /// is an input that starts again: all clouds are forgotten.
   bool add(std::size_t source, const Cloud& cloud, const Pose& vehicle_from_cloud, bool with_points = true);

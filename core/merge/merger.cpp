@@ -59,12 +59,12 @@ bool Merger::add(std::size_t index, const PlanarScan& scan, const Pose& output_f
     source.sweep.passes_vehicle.clear();
     if (visibility_) visibility_->set_source(index, source.rays);
   }
-  if (settings_.points) place_points(scan, settings_of(index), source);
+  if (settings_.points) transform_points(scan, settings_of(index), source);
   if (visibility_) measure(scan, source.rays, settings_of(index), source.sweep);
   return true;
 }
 
-void Merger::place_points(const PlanarScan& scan, const SourceSettings& settings, Source& source) {
+void Merger::transform_points(const PlanarScan& scan, const SourceSettings& settings, Source& source) {
   source.points.clear();
   const Eigen::Vector3d origin = source.rays.pose.translation();
   for (std::size_t echo = 0; echo < scan.echoes; ++echo) {
@@ -105,7 +105,7 @@ void Merger::flatten(PlanarScan& scan, bool intensities) {
     if (!used(s)) continue;
     const bool moves = !sources_[s].motion.stands();
     each_point(sources_[s], [&](const Eigen::Vector3d& here, const Point& measured) {
-      // The vehicle's own returns move with the vehicle, so the measured place is checked too.
+      // The vehicle's own returns move with the vehicle, so the measured position is checked too.
       if (!moves || !flattener_.is_own(measured.position)) flattener_.add(here, measured.intensity);
     });
   }
@@ -128,13 +128,13 @@ void Merger::fill(Cloud& cloud) const {
   }
 }
 
-/// Places a source's sweep in the output frame at the given moment.
-SourceUse Merger::place_source(std::size_t index, const MergeMoment& moment) {
+/// Transforms a source's sweep to the output frame at the given moment.
+SourceUse Merger::transform_source(std::size_t index, const MergeMoment& moment) {
   Source& source = sources_[index];
   source.fresh = false;
   const PoseOrigin origin = source.motion.follow(moment, source.times);
   if (visibility_) {
-    place(source.rays, source.motion, settings_of(index).noise, source.sweep);
+    transform(source.rays, source.motion, settings_of(index).noise, source.sweep);
     newest_sweeps_[index] = &source.sweep;
   }
   if (origin == PoseOrigin::missing) return SourceUse::static_poses;
@@ -152,7 +152,7 @@ const MergeReport& Merger::merge(const MergeMoment& moment, const std::vector<ch
     newest_sweeps_[s] = nullptr;
     report_.sources[s] = SourceUse::not_used;
     if (use[s] == 0 || !sources_[s].stamp) continue;
-    report_.sources[s] = place_source(s, moment);
+    report_.sources[s] = transform_source(s, moment);
     scan_time = std::max(scan_time, sources_[s].scan_time);
     if (sources_[s].motion.stands() || (oldest != nullptr && oldest->stamp < sources_[s].stamp)) continue;
     oldest = &sources_[s];

@@ -69,7 +69,8 @@ class Merger {
   std::optional<SweepTimes> times(std::size_t source) const;
   /// The state of every beam; nullptr if no profile needs it.
   const Visibility* visibility() const { return visibility_ ? &*visibility_ : nullptr; }
-  /// A source's sweep as placed by the last merge; nullptr if it was not used or no surfaces are computed.
+  /// A source's sweep in the output frame of the last merge; nullptr if it was not used or no surfaces are
+  /// computed.
   const PlacedScan* sweep(std::size_t source) const { return newest_sweeps_[source]; }
   /// A source's newest sweep, whether the last merge used it or not; for its counters.
   const PlacedScan& last_sweep(std::size_t source) const { return sources_[source].sweep; }
@@ -100,10 +101,10 @@ class Merger {
     return settings_.each.empty() ? settings_.source : settings_.each[source];
   }
   bool with_intensities(const std::vector<char>& use) const;
-  static void place_points(const PlanarScan& scan, const SourceSettings& settings, Source& source);
+  static void transform_points(const PlanarScan& scan, const SourceSettings& settings, Source& source);
   void flatten(PlanarScan& scan, bool intensities);
   void fill(Cloud& cloud) const;
-  SourceUse place_source(std::size_t index, const MergeMoment& moment);
+  SourceUse transform_source(std::size_t index, const MergeMoment& moment);
   bool used(std::size_t source) const { return report_.sources[source] != SourceUse::not_used; }
   template <class Use>
   static void each_point(const Source& source, Use use);

@@ -97,9 +97,9 @@ Pose CloudMotion::at(double after_s) const {
   Pose pose = Pose::Identity();
   if (stands()) return pose;
   const double last = static_cast<double>(borders_.size() - 1);
-  const double place = border_span_s_ > 0 && after_s > 0 ? std::min(after_s / border_span_s_, last) : 0;
-  const auto before = std::min(static_cast<std::size_t>(place), borders_.size() - 2);
-  const double share = place - static_cast<double>(before);
+  const double border = border_span_s_ > 0 && after_s > 0 ? std::min(after_s / border_span_s_, last) : 0;
+  const auto before = std::min(static_cast<std::size_t>(border), borders_.size() - 2);
+  const double share = border - static_cast<double>(before);
   pose.affine() = borders_[before] + share * (borders_[before + 1] - borders_[before]);
   return pose;
 }

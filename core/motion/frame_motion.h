@@ -103,7 +103,7 @@ class CloudMotion {
   std::vector<Pose> columns_;
 };
 
-/// A cloud with its lidar's place on the vehicle.
+/// A cloud with its lidar's pose on the vehicle.
 struct PlacedCloud {
   const Cloud* cloud = nullptr;  ///< nullptr: there is none
   Pose vehicle_from_cloud = Pose::Identity();

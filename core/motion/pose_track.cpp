@@ -88,7 +88,7 @@ std::size_t PoseTrack::knots_until(Stamp stamp) const {
 }
 
 /// A vehicle that stands must stay where it is to the last bit.
-bool PoseTrack::same_place(const Knot& a, const Knot& b) {
+bool PoseTrack::same_pose(const Knot& a, const Knot& b) {
   return a.position == b.position && a.turn.coeffs() == b.turn.coeffs();
 }
 
@@ -103,7 +103,7 @@ PoseOrigin PoseTrack::at(Stamp stamp, Pose& pose) const {
   if (next == count_) return beyond(stamp, pose);
   const Knot& b = knot(next);
   if (b.stamp - a.stamp > settings_.max_pose_gap) return PoseOrigin::missing;
-  if (same_place(a, b)) {
+  if (same_pose(a, b)) {
     pose = pose_of(a.position, a.turn);
     return PoseOrigin::known;
   }
@@ -119,7 +119,7 @@ std::size_t PoseTrack::twist_begin(std::size_t end) const {
 }
 
 PoseTrack::Twist PoseTrack::twist(const Knot& from, const Knot& to) {
-  if (same_place(from, to)) return {};
+  if (same_pose(from, to)) return {};
   const double time = seconds(to.stamp - from.stamp);
   const Eigen::Quaterniond back = from.turn.conjugate();
   const Eigen::Vector3d turn = turn_vector(back * to.turn);

@@ -59,7 +59,7 @@ class PoseTrack {
     Eigen::Quaterniond turn;
   };
   const Knot& knot(std::size_t i) const { return ring_[(first_ + i) % ring_.size()]; }
-  static bool same_place(const Knot& a, const Knot& b);
+  static bool same_pose(const Knot& a, const Knot& b);
   /// The number of knots not later than `stamp`.
   std::size_t knots_until(Stamp stamp) const;
   struct Twist {

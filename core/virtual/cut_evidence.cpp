@@ -62,7 +62,7 @@ LIDARD_CLONES void CutEvidence::measure_column(std::size_t column) {
 /// In place of a lone return, the beam by which it is shown counts.
 void CutEvidence::show_lone_return(const RingLinks::LoneReturn& one) {
   const std::size_t r = one.beam - base_, i = one.shown_by;
-  ends_[r] = reach_of(view_->place(view_->grid().ends[i]));
+  ends_[r] = reach_of(view_->project(view_->grid().ends[i]));
   beneath_[r] = -sign_ * view_->above(i);
   crossings_[r] = ends_[r] * sensor_ / std::max(sensor_ + beneath_[r], 1e-6F);
   const bool hit = view_->grid().kind[i] == Beam::point;
@@ -99,8 +99,8 @@ void CutEvidence::add(Visibility::Kind kind, float from, std::size_t first, std:
   }
 }
 
-/// Places a piece in the frame; false if it has no direction there, as that of a beam straight down.
-bool CutEvidence::place(const Piece& piece, OutlineBeam& way) const {
+/// Transforms a piece to the frame; false if it has no direction there, as that of a beam straight down.
+bool CutEvidence::transform(const Piece& piece, OutlineBeam& way) const {
   float ux = 0, uy = 0;
   if (!direct(piece.last, ux, uy)) return false;
   way.ox = at_.x, way.oy = at_.y;
@@ -116,7 +116,7 @@ bool CutEvidence::place(const Piece& piece, OutlineBeam& way) const {
 
 /// Sets the direction of a beam in the plane.
 bool CutEvidence::direct(std::size_t beam, float& ux, float& uy) const {
-  const Raster::Point to = view_->place(view_->grid().ends[beam]);
+  const Raster::Point to = view_->project(view_->grid().ends[beam]);
   const float reach = reach_of(to);
   if (!(reach > shortest)) return false;
   ux = (to.x - at_.x) / reach, uy = (to.y - at_.y) / reach;
@@ -161,7 +161,7 @@ float CutEvidence::whole_band_from() const {
 }
 
 void CutEvidence::look_from(const BeamEnd& origin) {
-  at_ = view_->place(origin);
+  at_ = view_->project(origin);
   // In a plane through the sensor every beam that leaves it does so at the sensor.
   const float above = std::max(sign_ * view_->above(origin), 0.0F);
   sensor_ = above < in_plane ? 0 : above;
@@ -254,7 +254,7 @@ void CutEvidence::join_column(Visibility::Kind kind) {
   const std::size_t before = strips.count;
   for (std::size_t s = 0; s < before; ++s) strips.open[s].goes_on = strips.open[s].has_branch = false;
   for (const Piece& piece : strips.column) {
-    if (!place(piece, way_)) continue;
+    if (!transform(piece, way_)) continue;
     bool has_strip = false, is_branch = false;
     for (std::size_t s = 0; s < before; ++s) {
       Strip& strip = strips.open[s];

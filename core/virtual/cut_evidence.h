@@ -81,7 +81,7 @@ class CutEvidence {
   End end_at(std::size_t ring) const;
   End thing_at(std::size_t last, std::size_t next) const;
   void add(Visibility::Kind kind, float from, std::size_t first, std::size_t along, End end);
-  bool place(const Piece& piece, OutlineBeam& way) const;
+  bool transform(const Piece& piece, OutlineBeam& way) const;
   bool direct(std::size_t beam, float& ux, float& uy) const;
   void add_blind(std::size_t lowest);
   float wall_in_band() const;

@@ -99,7 +99,7 @@ void PlaneCut::cross(std::size_t column, std::size_t ring) {
 }
 
 /// Where the plane crosses the surface between a return and that of the same ring in the next column.
-bool PlaneCut::cross_level(std::size_t column, std::size_t ring, Place& at) const {
+bool PlaneCut::cross_level(std::size_t column, std::size_t ring, PlanePoint& at) const {
   const RingGrid& grid = view_->grid();
   const std::size_t a = grid.index(column, ring);
   const std::size_t b = grid.index(grid.after(column), ring);
@@ -110,7 +110,7 @@ bool PlaneCut::cross_level(std::size_t column, std::size_t ring, Place& at) cons
   return true;
 }
 
-void PlaneCut::join(std::size_t a, const Place& at_a, std::size_t b, const Place& at_b) {
+void PlaneCut::join(std::size_t a, const PlanePoint& at_a, std::size_t b, const PlanePoint& at_b) {
   raster_->draw_segment(at_a.point, at_b.point, at_a.beam, at_b.beam, *layer_);
   if (a != no_crossing) ++crossings_[a].segments, crossings_[a].neighbour = at_b.point;
   if (b != no_crossing) ++crossings_[b].segments, crossings_[b].neighbour = at_a.point;
@@ -150,7 +150,7 @@ void PlaneCut::connect(std::size_t column) {
   while (left < left_end && right < right_end) {
     const Crossing& a = crossings_[left];
     const Crossing& b = crossings_[right];
-    if (a.ring == b.ring && go_together(column, a, b)) join(left, place_of(left), right, place_of(right));
+    if (a.ring == b.ring && go_together(column, a, b)) join(left, point_of(left), right, point_of(right));
     const bool skip_left = a.ring <= b.ring;
     const bool skip_right = b.ring <= a.ring;
     left += skip_left ? 1 : 0;
@@ -164,8 +164,8 @@ void PlaneCut::connect_turning(std::size_t column) {
   std::size_t beside = firsts_[next];
   const std::size_t here_end = firsts_[column + 1];
   const std::size_t beside_end = firsts_[next + 1];
-  Place bottom{};
-  Place top{};
+  PlanePoint bottom{};
+  PlanePoint top{};
   bool has_bottom = false;
   for (std::size_t r = 0; r < view_->grid().rings(); ++r) {
     const bool has_top = cross_level(column, r, top);
@@ -173,13 +173,13 @@ void PlaneCut::connect_turning(std::size_t column) {
     const std::size_t right = beside < beside_end && crossings_[beside].ring == r ? beside++ : no_crossing;
     if (left != no_crossing && right != no_crossing && !has_top && !has_bottom) {
       if (go_together(column, crossings_[left], crossings_[right]))
-        join(left, place_of(left), right, place_of(right));
+        join(left, point_of(left), right, point_of(right));
     } else {
       // If all four edges are crossed, the lines separate the lower left and the upper right corner.
-      if (left != no_crossing && has_bottom) join(left, place_of(left), no_crossing, bottom);
-      if (right != no_crossing && has_top) join(right, place_of(right), no_crossing, top);
-      if (left != no_crossing && has_top && !has_bottom) join(left, place_of(left), no_crossing, top);
-      if (right != no_crossing && has_bottom && !has_top) join(right, place_of(right), no_crossing, bottom);
+      if (left != no_crossing && has_bottom) join(left, point_of(left), no_crossing, bottom);
+      if (right != no_crossing && has_top) join(right, point_of(right), no_crossing, top);
+      if (left != no_crossing && has_top && !has_bottom) join(left, point_of(left), no_crossing, top);
+      if (right != no_crossing && has_bottom && !has_top) join(right, point_of(right), no_crossing, bottom);
       if (left == no_crossing && right == no_crossing && has_top && has_bottom)
         join(no_crossing, bottom, no_crossing, top);
     }
@@ -236,7 +236,7 @@ void PlaneCut::add_clipped(std::size_t a, std::size_t b, float low, float high) 
   const float to = zb < low ? share_at(zb, low) : zb > high ? share_at(zb, high) : 1.0F;
   const BeamEnd& begin = view_->grid().ends[a];
   const BeamEnd& end = view_->grid().ends[b];
-  lines_.push_back({view_->place(mixed(begin, end, from)), view_->place(mixed(begin, end, to))});
+  lines_.push_back({view_->project(mixed(begin, end, from)), view_->project(mixed(begin, end, to))});
 }
 
 void PlaneCut::add_edges(std::size_t column, HeightBand band) {
@@ -260,7 +260,7 @@ void PlaneCut::add_edges(std::size_t column, HeightBand band) {
     const auto height = static_cast<double>(heights[0]);
     if (level || upright || height < band.min || height > band.max) continue;
     if (links.level(before, r) || (r > 0 && links.upright(column, r - 1))) continue;
-    const Raster::Point point = view_->place(grid.ends[i]);
+    const Raster::Point point = view_->project(grid.ends[i]);
     raster_->draw_point(point, *layer_);
   }
 }

@@ -45,7 +45,7 @@ class PlaneCut {
     std::uint8_t segments = 0;
   };
   /// A point in the virtual frame; `beam` is its azimuth in beams of the virtual scan.
-  struct Place {
+  struct PlanePoint {
     Raster::Point point;
     float beam;
   };
@@ -63,13 +63,13 @@ class PlaneCut {
   bool passes_beneath(std::size_t lower, std::size_t upper) const;
   bool has_foot(std::size_t upper, std::size_t upper_ring) const;
   Between between_rings(std::size_t column, std::size_t upper) const;
-  bool cross_level(std::size_t column, std::size_t ring, Place& at) const;
+  bool cross_level(std::size_t column, std::size_t ring, PlanePoint& at) const;
   bool turns_between(std::size_t column) const;
   void connect(std::size_t column);
   void connect_turning(std::size_t column);
   bool go_together(std::size_t column, const Crossing& left, const Crossing& right) const;
-  Place place_of(std::size_t crossing) const { return {crossings_[crossing].at, beams_[crossing]}; }
-  void join(std::size_t a, const Place& at_a, std::size_t b, const Place& at_b);
+  PlanePoint point_of(std::size_t crossing) const { return {crossings_[crossing].at, beams_[crossing]}; }
+  void join(std::size_t a, const PlanePoint& at_a, std::size_t b, const PlanePoint& at_b);
   void flush(std::size_t crossing) const;
   void add_clipped(std::size_t a, std::size_t b, float low, float high);
   void add_edges(std::size_t column, HeightBand band);

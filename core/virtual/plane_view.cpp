@@ -73,14 +73,14 @@ LIDARD_CLONES void PlaneView::measure_reaches(std::size_t column, const Raster::
   const std::size_t rings = grid_->rings();
   const BeamEnd* const ends = grid_->ends.data() + grid_->index(column, 0);
   for (std::size_t r = 0; r < rings; ++r) {
-    const Raster::Point end = place(ends[r]);
+    const Raster::Point end = project(ends[r]);
     const float x = end.x - from.x, y = end.y - from.y;
     reaches[r] = std::sqrt(x * x + y * y);
   }
 }
 
 Raster::Point PlaneView::between(std::size_t a, std::size_t b) const {
-  return place(mixed(grid_->ends[a], grid_->ends[b], above(a) / (above(a) - above(b))));
+  return project(mixed(grid_->ends[a], grid_->ends[b], above(a) / (above(a) - above(b))));
 }
 
 Raster::Point PlaneView::straight_from(std::size_t i) const {
@@ -89,7 +89,7 @@ Raster::Point PlaneView::straight_from(std::size_t i) const {
   end.x -= drop * up_.x();
   end.y -= drop * up_.y();
   end.z -= drop * up_.z();
-  return place(end);
+  return project(end);
 }
 
 namespace {

@@ -23,7 +23,7 @@ class PlaneView {
   void set_cloud(const RingGrid& grid, const Ground& ground, const RingLinks& links,
                  const Eigen::Vector3f& up);
   /// Sets the virtual frame. Frames with the same directions of axes share what does not depend on their
-  /// place.
+  /// position.
   void set_frame(const Pose& virtual_from_cloud);
   /// Sets the plane z = `level`.
   void set_level(float level);
@@ -59,7 +59,7 @@ class PlaneView {
 
   /// Points in the frame: a beam's end, the crossing of the plane with the line between two ends on either
   /// side, and the point of the plane straight beneath or above an end.
-  Raster::Point place(const BeamEnd& end) const {
+  Raster::Point project(const BeamEnd& end) const {
     const auto& r = rotation_;
     return {r(0, 0) * end.x + r(0, 1) * end.y + r(0, 2) * end.z + translation_.x(),
             r(1, 0) * end.x + r(1, 1) * end.y + r(1, 2) * end.z + translation_.y(), end.intensity};

@@ -101,9 +101,9 @@ void RingGrid::clear_grid(std::size_t columns, std::size_t rings) {
 }
 
 void RingGrid::number_columns(const Cloud& cloud, std::size_t lead) {
-  places_.resize(cloud.columns.size());
+  to_columns_.resize(cloud.columns.size());
   double turned = 0;
-  std::size_t place = 0;
+  std::size_t to_column = 0;
   std::size_t beyond = 0;
   for (std::size_t c = 0; c < cloud.columns.size(); ++c) {
     if (c > 0 && turns_[c] != no_step) {
@@ -113,14 +113,14 @@ void RingGrid::number_columns(const Cloud& cloud, std::size_t lead) {
         ++beyond;
       } else {
         turned += step;
-        place += step > 1.5 * step_ ? static_cast<std::size_t>(std::lround(step / step_)) : 1;
+        to_column += step > 1.5 * step_ ? static_cast<std::size_t>(std::lround(step / step_)) : 1;
       }
     }
-    places_[c] = beyond > 0 ? nowhere : static_cast<std::uint32_t>(lead + place);
+    to_columns_[c] = beyond > 0 ? nowhere : static_cast<std::uint32_t>(lead + to_column);
   }
-  misplaced += beyond;
+  outside += beyond;
   const long rest = std::max(1L, std::lround((two_pi - turned) / step_));
-  clear_grid(lead + place + static_cast<std::size_t>(rest), cloud.rings);
+  clear_grid(lead + to_column + static_cast<std::size_t>(rest), cloud.rings);
 }
 
 void RingGrid::open_column(std::size_t column, double azimuth) {
@@ -150,18 +150,19 @@ void RingGrid::organise_columns(const Cloud& cloud, const CloudMotion* motion) {
     fill_lead(lead_, *motion);
   }
   for (std::size_t c = 0; c < cloud.columns.size(); ++c) {
-    if (places_[c] == nowhere) continue;
-    if (fired_[places_[c]] == 0) open_column(places_[c], static_cast<double>(cloud.columns[c].azimuth));
-    times_[places_[c]] = static_cast<float>(seconds(cloud.columns[c].stamp - cloud.stamp));
-    fill_column(cloud, c, places_[c], moved ? &motion->columns()[c] : nullptr);
+    if (to_columns_[c] == nowhere) continue;
+    if (fired_[to_columns_[c]] == 0)
+      open_column(to_columns_[c], static_cast<double>(cloud.columns[c].azimuth));
+    times_[to_columns_[c]] = static_cast<float>(seconds(cloud.columns[c].stamp - cloud.stamp));
+    fill_column(cloud, c, to_columns_[c], moved ? &motion->columns()[c] : nullptr);
   }
   if (!moved) measure_ranges();
   extend_azimuths();
   for (const NearReturn& near : cloud.too_near) {
-    if (near.column < places_.size() && places_[near.column] != nowhere)
-      mark_too_near(near, places_[near.column]);
+    if (near.column < to_columns_.size() && to_columns_[near.column] != nowhere)
+      mark_too_near(near, to_columns_[near.column]);
   }
-  place_without_return(cloud, motion);
+  fill_without_return(cloud, motion);
   bridge_single_gaps();
   keep_tail(cloud);
 }
@@ -193,9 +194,9 @@ void RingGrid::extend_azimuths() {
   }
 }
 
-void RingGrid::fill_column(const Cloud& cloud, std::size_t column, std::size_t place, const Pose* move) {
+void RingGrid::fill_column(const Cloud& cloud, std::size_t column, std::size_t to_column, const Pose* move) {
   const std::size_t end = cloud.points_end(column);
-  const std::size_t first = index(place, 0);
+  const std::size_t first = index(to_column, 0);
   const std::size_t cells = kind.size();
   // Local copies: the compiler must assume that the bytes of points alias the members.
   const std::size_t rings = rings_;
@@ -206,7 +207,7 @@ void RingGrid::fill_column(const Cloud& cloud, std::size_t column, std::size_t p
   for (std::size_t i = cloud.columns[column].first_point; i < end; ++i) {
     const CloudPoint& point = points[i];
     const std::size_t ring = point.ring;
-    if (ring >= rings || (lead_ > 0 && goes_round(place, row_of(ring)))) continue;
+    if (ring >= rings || (lead_ > 0 && goes_round(to_column, row_of(ring)))) continue;
     std::size_t at = first + offsets[ring];
     at -= at >= cells ? cells : 0;
     if (move == nullptr && kinds[at] != Beam::point) {
@@ -251,9 +252,9 @@ void RingGrid::check(std::size_t at) {
   }
 }
 
-void RingGrid::mark_too_near(const NearReturn& near, std::size_t place) {
-  if (near.ring >= rings_ || (lead_ > 0 && goes_round(place, row_of(near.ring)))) return;
-  const std::size_t to = (index(place, 0) + offsets_[near.ring]) % kind.size();
+void RingGrid::mark_too_near(const NearReturn& near, std::size_t to_column) {
+  if (near.ring >= rings_ || (lead_ > 0 && goes_round(to_column, row_of(near.ring)))) return;
+  const std::size_t to = (index(to_column, 0) + offsets_[near.ring]) % kind.size();
   if (kind[to] != Beam::point) kind[to] = Beam::own;
 }
 
@@ -283,7 +284,7 @@ void RingGrid::put(std::size_t at, const CloudPoint& point, const Pose* move) {
   ends[at] = end;
 }
 
-void RingGrid::place_without_return(const Cloud& cloud, const CloudMotion* motion) {
+void RingGrid::fill_without_return(const Cloud& cloud, const CloudMotion* motion) {
   const bool moves = motion != nullptr && !motion->stands();
   const double wanted = settings_.no_return_free_range;
   const double reach = cloud.max_range > 0 ? std::min(wanted, cloud.max_range) : wanted;

@@ -77,7 +77,7 @@ class RingGrid {
   /// returns inside hit the vehicle.
   void set_footprint(const Footprint& own, const Pose& vehicle_from_cloud);
   /// Sorts a cloud into the grid; false if its rings and columns cannot be determined (why_not()). `motion`
-  /// moves the ends of beams; ring and column follow from the measured place.
+  /// moves the ends of beams; ring and column follow from the measured position.
   bool organise(const Cloud& cloud, const CloudMotion* motion = nullptr);
   const char* why_not() const { return why_not_; }
   /// True if the columns are firings of the sensor; false if returns were put into columns by their azimuths.
@@ -104,7 +104,7 @@ class RingGrid {
   bool moved = false;             ///< the vehicle drove while the cloud was measured
   std::vector<BeamEnd> origins;   ///< where it was at each column, if it drove
   std::uint64_t own_returns = 0;  ///< returns from the vehicle, since the start
-  std::uint64_t misplaced = 0;    ///< points without a place in the grid, since the start
+  std::uint64_t outside = 0;      ///< points without a cell in the grid, since the start
 
  private:
   bool fires_in_columns(const Cloud& cloud);
@@ -117,23 +117,23 @@ class RingGrid {
   void open_column(std::size_t column, double azimuth);
   bool goes_round(std::size_t column, std::size_t row) const;
   void extend_azimuths();
-  void fill_column(const Cloud& cloud, std::size_t column, std::size_t place, const Pose* move);
+  void fill_column(const Cloud& cloud, std::size_t column, std::size_t to_column, const Pose* move);
   void find_origins(const CloudMotion& motion);
   void measure_ranges();
   void check(std::size_t at);
-  void mark_too_near(const NearReturn& near, std::size_t place);
+  void mark_too_near(const NearReturn& near, std::size_t to_column);
   bool organise_points(const Cloud& cloud, const CloudMotion* motion);
   bool number_rings(const Cloud& cloud);
   bool measure_step(const Cloud& cloud);
   void measure_phases(const Cloud& cloud);
-  void place_points(const Cloud& cloud, const CloudMotion* motion);
+  void fill_points(const Cloud& cloud, const CloudMotion* motion);
   void open_gaps();
   void clear_grid(std::size_t columns, std::size_t rings);
   void put(std::size_t at, const CloudPoint& point, const Pose* move);
   bool is_own(const BeamEnd& end) const;
   /// Of a lidar that hangs upside down the last ring is the lowest.
   std::size_t row_of(std::size_t ring) const { return hangs_ ? rings_ - 1 - ring : ring; }
-  void place_without_return(const Cloud& cloud, const CloudMotion* motion);
+  void fill_without_return(const Cloud& cloud, const CloudMotion* motion);
   void bridge_single_gaps();
   void bridge(std::size_t before, std::size_t at, std::size_t after);
 
@@ -152,24 +152,24 @@ class RingGrid {
   std::vector<char> known_;
   std::vector<float> level_, rise_;  // m, end of a beam without return, per ring
   std::vector<char> fired_;
-  std::vector<float> azimuths_;              // rad per column, counted clockwise
-  std::vector<float> times_;                 // s after the cloud's stamp, per column
-  std::vector<double> turns_;                // rad from the previous column, per column of the cloud
-  std::vector<std::uint32_t> places_;        // column in the grid, per column of the cloud
-  std::size_t lead_ = 0;                     // columns of the cloud before, at the begin
-  Cloud tail_;                               // the last columns of the cloud before
-  std::vector<std::size_t> tail_places_;     // their columns in the grid
-  std::vector<std::uint32_t> shifts_;        // columns by which a row points ahead, in [0, columns_)
-  std::vector<std::size_t> offsets_;         // index of a ring's beam relative to the begin of its column
-  bool straight_ = false;                    // all rings are known and not shifted
-  std::vector<std::uint16_t> rows_;          // row per ring number of the cloud, for clouds without columns
-  std::vector<float> found_;                 // elevations of the rings, for clouds without ring numbers
-  std::vector<float> point_azimuths_;        // rad per point, clockwise from behind, >= 0
-  std::vector<std::uint16_t> point_rows_;    // per point; 0xFFFF: none
-  std::size_t measured_rings_ = 0;           // number of rings when step_ was measured
-  std::size_t clouds_ = 0;                   // placed by azimuth
-  std::vector<float> phases_, phase_sines_;  // per ring: position of its beams within a column's width
-  std::vector<std::vector<float>> steps_;    // rad between returns, per ring
+  std::vector<float> azimuths_;               // rad per column, counted clockwise
+  std::vector<float> times_;                  // s after the cloud's stamp, per column
+  std::vector<double> turns_;                 // rad from the previous column, per column of the cloud
+  std::vector<std::uint32_t> to_columns_;     // column in the grid, per column of the cloud
+  std::size_t lead_ = 0;                      // columns of the cloud before, at the begin
+  Cloud tail_;                                // the last columns of the cloud before
+  std::vector<std::size_t> tail_to_columns_;  // their columns in the grid
+  std::vector<std::uint32_t> shifts_;         // columns by which a row points ahead, in [0, columns_)
+  std::vector<std::size_t> offsets_;          // index of a ring's beam relative to the begin of its column
+  bool straight_ = false;                     // all rings are known and not shifted
+  std::vector<std::uint16_t> rows_;           // row per ring number of the cloud, for clouds without columns
+  std::vector<float> found_;                  // elevations of the rings, for clouds without ring numbers
+  std::vector<float> point_azimuths_;         // rad per point, clockwise from behind, >= 0
+  std::vector<std::uint16_t> point_rows_;     // per point; 0xFFFF: none
+  std::size_t measured_rings_ = 0;            // number of rings when step_ was measured
+  std::size_t clouds_ = 0;                    // sorted by azimuth
+  std::vector<float> phases_, phase_sines_;   // per ring: position of its beams within a column's width
+  std::vector<std::vector<float>> steps_;     // rad between returns, per ring
 };
 
 }  // namespace lidard

@@ -33,8 +33,8 @@ std::size_t RingGrid::lead(const Cloud& cloud, const CloudMotion& motion) const 
 void RingGrid::fill_lead(std::size_t lead, const CloudMotion& motion) {
   const Pose move = motion.at(0);
   const std::uint64_t own = own_returns;  // they were counted
-  std::vector<std::size_t>& places = tail_places_;
-  places.assign(tail_.columns.size(), columns_);
+  std::vector<std::size_t>& to_columns = tail_to_columns_;
+  to_columns.assign(tail_.columns.size(), columns_);
   double turned = step_ / 2;
   for (std::size_t c = tail_.columns.size(); c-- > 0;) {
     const CloudColumn& column = tail_.columns[c];
@@ -42,16 +42,16 @@ void RingGrid::fill_lead(std::size_t lead, const CloudMotion& motion) {
       turned += azimuth_step(column, tail_.columns[c + 1]);
     const auto back = static_cast<std::size_t>(turned / step_);
     if (back >= lead) continue;
-    places[c] = lead - 1 - back;
-    if (fired_[places[c]] == 0) open_column(places[c], static_cast<double>(column.azimuth));
+    to_columns[c] = lead - 1 - back;
+    if (fired_[to_columns[c]] == 0) open_column(to_columns[c], static_cast<double>(column.azimuth));
   }
-  for (std::size_t c = 0; c < places.size(); ++c) {
-    if (places[c] == columns_) continue;
-    times_[places[c]] = static_cast<float>(seconds(tail_.columns[c].stamp - tail_.stamp));
-    fill_column(tail_, c, places[c], &move);
+  for (std::size_t c = 0; c < to_columns.size(); ++c) {
+    if (to_columns[c] == columns_) continue;
+    times_[to_columns[c]] = static_cast<float>(seconds(tail_.columns[c].stamp - tail_.stamp));
+    fill_column(tail_, c, to_columns[c], &move);
   }
   for (const NearReturn& near : tail_.too_near) {
-    if (places[near.column] != columns_) mark_too_near(near, places[near.column]);
+    if (to_columns[near.column] != columns_) mark_too_near(near, to_columns[near.column]);
   }
   own_returns = own;
 }

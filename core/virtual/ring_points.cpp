@@ -214,7 +214,7 @@ void RingGrid::measure_phases(const Cloud& cloud) {
   for (std::size_t r = 0; r < rings_; ++r) phases_[r] = fast_atan2(phase_sines_[r], phases_[r]) / turn;
 }
 
-void RingGrid::place_points(const Cloud& cloud, const CloudMotion* motion) {
+void RingGrid::fill_points(const Cloud& cloud, const CloudMotion* motion) {
   const bool moves = motion != nullptr && !motion->stands();
   const auto per_rad = static_cast<float>(1 / step_);
   const auto columns = static_cast<std::size_t>(std::lround(static_cast<double>(turn) / step_));
@@ -222,7 +222,7 @@ void RingGrid::place_points(const Cloud& cloud, const CloudMotion* motion) {
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const std::size_t row = point_rows_[i];
     if (row >= rings_) {
-      ++misplaced;
+      ++outside;
       continue;
     }
     const float at = std::round(point_azimuths_[i] * per_rad - phases_[row]);
@@ -280,9 +280,9 @@ bool RingGrid::organise_points(const Cloud& cloud, const CloudMotion* motion) {
     return false;
   }
   measure_phases(cloud);
-  place_points(cloud, motion);
+  fill_points(cloud, motion);
   open_gaps();
-  place_without_return(cloud, motion);
+  fill_without_return(cloud, motion);
   bridge_single_gaps();
   return true;
 }

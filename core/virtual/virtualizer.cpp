@@ -12,7 +12,7 @@ namespace {
 constexpr double above_ground = 0.02;
 
 template <class Point>
-Eigen::Vector3d place_of(const Point& p) {
+Eigen::Vector3d position_of(const Point& p) {
   return {static_cast<double>(p.x), static_cast<double>(p.y), static_cast<double>(p.z)};
 }
 
@@ -32,7 +32,7 @@ Virtualizer::Virtualizer(const ScanGrid& grid, HeightBand band, std::size_t fram
 void Virtualizer::set_footprint(const Footprint& footprint) {
   footprint_ = footprint;
   own_ = footprint.padded(Footprint::margin_m);
-  for (const auto& lidar : lidars_) lidar->is_placed = false;
+  for (const auto& lidar : lidars_) lidar->has_pose = false;
   for (const auto& frame : frames_) frame->has_footprint = false;
 }
 
@@ -49,11 +49,11 @@ std::uint64_t Virtualizer::own_returns() const {
   return sum;
 }
 
-/// What depends on the lidar's place on the vehicle alone.
-void Virtualizer::place_cloud(std::size_t index, const Pose& vehicle_from_cloud) {
+/// What depends on the lidar's pose on the vehicle alone.
+void Virtualizer::set_pose(std::size_t index, const Pose& vehicle_from_cloud) {
   Lidar& lidar = *lidars_[index];
-  if (lidar.is_placed && lidar.placed.vehicle_from_cloud.matrix() == vehicle_from_cloud.matrix()) return;
-  lidar.is_placed = true;
+  if (lidar.has_pose && lidar.placed.vehicle_from_cloud.matrix() == vehicle_from_cloud.matrix()) return;
+  lidar.has_pose = true;
   lidar.grid.set_footprint(own_, vehicle_from_cloud);
 }
 
@@ -68,7 +68,7 @@ void Virtualizer::set_clouds(const std::vector<PlacedCloud>& clouds) {
 
 void Virtualizer::set_cloud(std::size_t index, const PlacedCloud& cloud) {
   Lidar& lidar = *lidars_[index];
-  place_cloud(index, cloud.vehicle_from_cloud);
+  set_pose(index, cloud.vehicle_from_cloud);
   lidar.placed = cloud;
   if (cloud.motion != nullptr && cloud.motion->stands()) lidar.placed.motion = nullptr;
   if (!settings_.visibility) return;
@@ -80,8 +80,8 @@ void Virtualizer::set_cloud(std::size_t index, const PlacedCloud& cloud) {
   lidar.view.set_cloud(lidar.grid, lidar.ground, lidar.links, up);
 }
 
-/// Calls use(return, its place in the virtual frame) for all at heights that count but the vehicle's own. The
-/// vehicle's own returns move with it, so the place where they were measured decides.
+/// Calls use(return, its position in the virtual frame) for all at heights that count but the vehicle's own.
+/// The vehicle's own returns move with it, so the position where they were measured decides.
 template <class Use>
 void Virtualizer::each_return(const PlacedCloud& placed, const Pose& virtual_from_cloud, Use use) const {
   const Cloud& cloud = *placed.cloud;
@@ -90,7 +90,7 @@ void Virtualizer::each_return(const PlacedCloud& placed, const Pose& virtual_fro
     const Eigen::Vector3d& at = pose.translation();
     for (std::size_t i = begin; i < end; ++i) {
       const CloudPoint& point = cloud.points()[i];
-      const Eigen::Vector3d measured = place_of(point);
+      const Eigen::Vector3d measured = position_of(point);
       // Most returns are at other heights.
       const double z = turn.row(2).dot(measured) + at.z();
       if (!(z >= band_.min && z <= band_.max)) continue;
@@ -112,14 +112,14 @@ void Virtualizer::flatten(const Pose* virtual_from_cloud, PlanarScan& scan) {
   for (std::size_t i = 0; i < lidars_.size(); ++i) {
     if (lidars_[i]->placed.cloud == nullptr) continue;
     each_return(lidars_[i]->placed, virtual_from_cloud[i],
-                [this](const CloudPoint& point, const Eigen::Vector3d& place) {
-                  flattener_.add(place, point.intensity);
+                [this](const CloudPoint& point, const Eigen::Vector3d& position) {
+                  flattener_.add(position, point.intensity);
                 });
   }
   flattener_.end();
 }
 
-void Virtualizer::place_footprint(Frame& frame, const Pose& virtual_from_vehicle) const {
+void Virtualizer::transform_footprint(Frame& frame, const Pose& virtual_from_vehicle) const {
   if (frame.has_footprint && frame.virtual_from_vehicle.matrix() == virtual_from_vehicle.matrix()) return;
   frame.has_footprint = true;
   frame.virtual_from_vehicle = virtual_from_vehicle;
@@ -149,8 +149,8 @@ void Virtualizer::splat_points(const Lidar& lidar, Visibility& visibility,
   };
   if (!lidar.organised) each_return(lidar.placed, virtual_from_cloud, splat);
   for (const BeamEnd& point : lidar.grid.early) {
-    const Eigen::Vector3d place = virtual_from_cloud * place_of(point);
-    if (place.z() >= band_.min && place.z() <= band_.max) splat(point, place);
+    const Eigen::Vector3d position = virtual_from_cloud * position_of(point);
+    if (position.z() >= band_.min && position.z() <= band_.max) splat(point, position);
   }
 }
 
@@ -166,7 +166,7 @@ void Virtualizer::look(Frame& frame, const Pose* virtual_from_cloud) {
 void Virtualizer::look(Frame& frame, std::size_t index, const Pose& virtual_from_cloud) {
   Lidar& lidar = *lidars_[index];
   Visibility& visibility = frame.visibility;
-  place_footprint(frame, virtual_from_cloud * lidar.placed.vehicle_from_cloud.inverse());
+  transform_footprint(frame, virtual_from_cloud * lidar.placed.vehicle_from_cloud.inverse());
   splat_points(lidar, visibility, virtual_from_cloud);
   if (!lidar.organised) return;
   lidar.view.set_frame(virtual_from_cloud);

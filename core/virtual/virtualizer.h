@@ -73,7 +73,7 @@ class Virtualizer {
   struct Lidar {
     explicit Lidar(const RingGridSettings& beams) : grid(beams) {}
     PlacedCloud placed;
-    bool is_placed = false;
+    bool has_pose = false;
     bool organised = false;
     RingGrid grid;
     Ground ground;
@@ -81,7 +81,7 @@ class Virtualizer {
     PlaneView view;
   };
   void set_cloud(std::size_t lidar, const PlacedCloud& cloud);
-  void place_cloud(std::size_t lidar, const Pose& vehicle_from_cloud);
+  void set_pose(std::size_t lidar, const Pose& vehicle_from_cloud);
   template <class Use>
   void each_return(const PlacedCloud& placed, const Pose& virtual_from_cloud, Use use) const;
   void flatten(const Pose* virtual_from_cloud, PlanarScan& scan);
@@ -89,7 +89,7 @@ class Virtualizer {
   void look(Frame& frame, std::size_t lidar, const Pose& virtual_from_cloud);
   void cut_slice(Lidar& lidar, Visibility& visibility, double level);
   void cut_band(Lidar& lidar, Visibility& visibility, float evidence_level);
-  void place_footprint(Frame& frame, const Pose& virtual_from_vehicle) const;
+  void transform_footprint(Frame& frame, const Pose& virtual_from_vehicle) const;
   void splat_points(const Lidar& lidar, Visibility& visibility, const Pose& virtual_from_cloud) const;
   float evidence_level(const Lidar& lidar, const Pose& virtual_from_cloud) const;
 

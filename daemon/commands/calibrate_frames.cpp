@@ -31,13 +31,13 @@ class FrameCollector final : public FrameSink {
         vehicle_(Footprint(config.vehicle.footprint).padded(Footprint::margin_m)),
         sensors_(sensors) {}
 
-  void publish(const OutputTopic& topic, const Payload& payload, Stamp /*released*/) override {
+  void publish(const OutputTopic& topic, const Frame& frame, Stamp /*released*/) override {
     for (CalibratedSensor& sensor : sensors_) {
       if (sensor.config->model == nullptr || frame_topic(*sensor.config).name != topic.name) continue;
-      if (const auto* scan = std::get_if<const PlanarScan*>(&payload))
-        add(sensor, **scan);
-      else if (auto* cloud = std::get_if<Cloud*>(&payload); cloud != nullptr && (*cloud)->complete)
-        add(sensor, **cloud);
+      if (const PlanarScan* const scan = frame.scan())
+        add(sensor, *scan);
+      else if (Cloud* const cloud = frame.cloud(); cloud != nullptr && cloud->complete)
+        add(sensor, *cloud);
     }
   }
 

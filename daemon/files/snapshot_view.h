@@ -26,17 +26,17 @@ class FrameKeeper : public FrameSink {
   /// Frames after this call are not kept.
   void freeze() { frozen_ = true; }
 
-  void publish(const OutputTopic& topic, const Payload& payload, Stamp /*released*/) override {
+  void publish(const OutputTopic& topic, const Frame& frame, Stamp /*released*/) override {
     if (frozen_) return;
-    if (const PlanarScan* const* const scan = std::get_if<const PlanarScan*>(&payload)) {
-      scans_[{topic.name, (*scan)->frame_id}] = **scan;
-      newest_ = std::max(newest_, (*scan)->stamp);
-    } else if (Cloud* const* const cloud = std::get_if<Cloud*>(&payload)) {
-      clouds_[topic.name] = **cloud;
-      newest_ = std::max(newest_, (*cloud)->stamp);
-    } else if (MergedCloud* const* const merged = std::get_if<MergedCloud*>(&payload)) {
-      keep(**merged, clouds_[topic.name]);
-      newest_ = std::max(newest_, (*merged)->stamp);
+    if (const PlanarScan* const scan = frame.scan()) {
+      scans_[{topic.name, scan->frame_id}] = *scan;
+      newest_ = std::max(newest_, scan->stamp);
+    } else if (const Cloud* const cloud = frame.cloud()) {
+      clouds_[topic.name] = *cloud;
+      newest_ = std::max(newest_, cloud->stamp);
+    } else if (const MergedCloud* const merged = frame.merged_cloud()) {
+      keep(*merged, clouds_[topic.name]);
+      newest_ = std::max(newest_, merged->stamp);
     }
   }
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "daemon/health/diagnostics.h"
-#include "daemon/pipeline/reception.h"
+#include "drivers/reception.h"
 
 namespace lidard {
 

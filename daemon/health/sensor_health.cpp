@@ -11,7 +11,7 @@
 #include "daemon/health/reception_verdict.h"
 #include "daemon/health/report.h"
 #include "daemon/health/sentences.h"
-#include "daemon/pipeline/sensor.h"
+#include "daemon/pipeline/context.h"
 
 namespace lidard {
 namespace {

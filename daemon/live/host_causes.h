@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "core/base/alternation.h"
 #include "daemon/config/config.h"
 #include "daemon/live/udp_ports.h"
-#include "daemon/pipeline/alternation.h"
 #include "drivers/net/host_network.h"
 
 namespace lidard {

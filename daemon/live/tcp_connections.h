@@ -9,7 +9,7 @@
 
 #include "daemon/config/config.h"
 #include "daemon/health/diagnostics.h"
-#include "daemon/pipeline/sensor.h"
+#include "daemon/pipeline/context.h"
 #include "daemon/pipeline/sink.h"
 #include "drivers/net/tcp_source.h"
 

@@ -15,6 +15,16 @@
 
 namespace lidard {
 
+/// Messages that were recorded, in the order of their times.
+class TimedMessages {
+ public:
+  virtual ~TimedMessages() = default;
+  /// When the next one was recorded; none at the end.
+  virtual std::optional<Stamp> next() const = 0;
+  /// Passes those up to `until` on; nullptr: drops them.
+  virtual void feed(MessageReceiver* to, Stamp until) = 0;
+};
+
 /// How captures are played.
 struct PlayOptions {
   double rate = 1;                                 ///< of the recorded pace; 0: as fast as possible

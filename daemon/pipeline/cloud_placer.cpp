@@ -3,7 +3,6 @@
 #include "daemon/pipeline/cloud_placer.h"
 
 #include <algorithm>
-#include <utility>
 
 namespace lidard {
 namespace {
@@ -15,10 +14,6 @@ constexpr Span between_tries = std::chrono::milliseconds(5);
 constexpr std::size_t most_waiting = 4;
 
 }  // namespace
-
-CloudPlacer::CloudPlacer(const SensorConfig& sensor, const CloudArranger& arranger, VehicleMotion& motion,
-                         Publish publish)
-    : sensor_(sensor), arranger_(arranger), vehicle_(motion), publish_(std::move(publish)) {}
 
 void CloudPlacer::add(const Cloud& cloud, Stamp now) {
   if (waiting_ == most_waiting) release_first(now);
@@ -41,7 +36,7 @@ std::optional<Stamp> CloudPlacer::next_event() const {
 
 void CloudPlacer::release_due(Stamp now) {
   last_try_ = now;
-  vehicle_.poll(now);
+  context_.motion.poll(now);
   while (waiting_ > 0) {
     const bool may_wait = PoseGate::may_wait(clouds_.front().since, longest_wait, now);
     if (!release(clouds_.front(), may_wait, now)) return;
@@ -65,12 +60,12 @@ void CloudPlacer::drop_first() {
 }
 
 bool CloudPlacer::find_motion(const Cloud& cloud, Stamp instant) {
-  const PoseTrack* const track = vehicle_.frames().track();
+  const PoseTrack* const track = context_.motion.track();
   Pose vehicle_from_cloud;
   std::string why_not;
   return track != nullptr &&
-         vehicle_.frames().find(vehicle_.base_frame(), cloud.frame_id, instant, vehicle_from_cloud,
-                                why_not) &&
+         context_.frames.find(context_.vehicle.base_frame, cloud.frame_id, instant, vehicle_from_cloud,
+                              why_not) &&
          motion_.find(cloud, vehicle_from_cloud, *track, instant);
 }
 
@@ -80,7 +75,7 @@ bool CloudPlacer::release(Waiting& waiting, bool may_wait, Stamp now) {
   Pose frame_from_lidar = Pose::Identity();
   std::string why_not;
   const bool is_placed =
-      vehicle_.frames().find(frame, cloud.frame_id, waiting.instant, frame_from_lidar, why_not);
+      context_.frames.find(frame, cloud.frame_id, waiting.instant, frame_from_lidar, why_not);
   const bool is_deskewed = is_placed && (!sensor_.deskew || find_motion(cloud, waiting.instant));
   if (!is_deskewed && may_wait) return false;
   if (!is_placed) {
@@ -92,7 +87,7 @@ bool CloudPlacer::release(Waiting& waiting, bool may_wait, Stamp now) {
   // Points that do not move stay bit-identical.
   if (!motion.stands() || frame != cloud.frame_id) move_points(motion, frame_from_lidar, cloud);
   cloud.frame_id = frame;
-  publish_(cloud, now);
+  topic_.deliver(arranger_.message_of(cloud), now);
   return true;
 }
 

@@ -3,15 +3,14 @@
 #pragma once
 
 #include <cstddef>
-#include <functional>
 #include <optional>
 #include <vector>
 
 #include "core/frames/cloud_layout.h"
 #include "core/motion/frame_motion.h"
+#include "core/motion/pose_gate.h"
 #include "daemon/config/config.h"
-#include "daemon/pipeline/pose_gate.h"
-#include "daemon/pipeline/vehicle_motion.h"
+#include "daemon/pipeline/context.h"
 
 namespace lidard {
 
@@ -20,11 +19,10 @@ namespace lidard {
 /// velodyne_pointcloud (datacontainerbase.h, 1.7.0), and at most four clouds wait. Buffers keep their memory.
 class CloudPlacer {
  public:
-  using Publish = std::function<void(Cloud& cloud, Stamp now)>;
-
-  /// The arguments must outlive this. `publish` may swap out the bytes of the points.
-  CloudPlacer(const SensorConfig& sensor, const CloudArranger& arranger, VehicleMotion& motion,
-              Publish publish);
+  /// The arguments must outlive this; `topic`: of the clouds.
+  CloudPlacer(const SensorConfig& sensor, CloudArranger& arranger, const PipelineContext& context,
+              Route& topic)
+      : sensor_(sensor), arranger_(arranger), context_(context), topic_(topic) {}
   static bool is_wanted(const SensorConfig& sensor) { return sensor.deskew || !sensor.points_frame.empty(); }
 
   void add(const Cloud& cloud, Stamp now);
@@ -51,9 +49,9 @@ class CloudPlacer {
   void drop_first();
 
   const SensorConfig& sensor_;
-  const CloudArranger& arranger_;
-  VehicleMotion& vehicle_;
-  Publish publish_;
+  CloudArranger& arranger_;
+  const PipelineContext& context_;
+  Route& topic_;
   PoseGate gate_;
   std::vector<Waiting> clouds_;  // the first `waiting_` ones, oldest first
   std::size_t waiting_ = 0;

@@ -9,7 +9,6 @@
 
 #include "core/base/pose.h"
 #include "core/base/time.h"
-#include "core/motion/pose_track.h"
 #include "daemon/config/config.h"
 #include "daemon/pipeline/sink.h"
 
@@ -58,9 +57,6 @@ class FrameTree {
   /// Pose of `child` in `parent` at `stamp`; false and the reason if it is unknown.
   bool find(const std::string& parent, const std::string& child, Stamp stamp, Pose& pose,
             std::string& why_not) const;
-  /// The vehicle's motion; nullptr: no source of motion.
-  const PoseTrack* track() const { return track_; }
-  void set_track(const PoseTrack* track) { track_ = track; }
   /// The configured transforms, for /tf_static.
   const std::vector<StaticTransform>& transforms() const { return transforms_; }
 
@@ -68,7 +64,6 @@ class FrameTree {
   bool in_base(const std::string& frame, Stamp stamp, Pose& pose, std::string& why_not) const;
 
   std::string base_;
-  const PoseTrack* track_ = nullptr;
   TransformSource& lookup_;
   std::map<std::string, std::pair<std::string, Pose>> known_;  // child: parent and pose in it
   std::vector<StaticTransform> transforms_;

@@ -7,6 +7,23 @@
 
 namespace lidard {
 
+Route* Maker::topic(const std::string& name) {
+  if (name.empty()) return nullptr;
+  Route* const route = &context_.router.topic(name);
+  topics_.push_back(route);
+  return route;
+}
+
+MakerStatus Maker::status(Stamp) const {
+  MakerStatus status;
+  status.id = id;
+  status.sources = sources;
+  for (const Route* topic : topics_) status.topics.push_back(topic->name());
+  status.counters = counters_;
+  status.is_wanted = is_wanted();
+  return status;
+}
+
 ScanGrid grid_of(const ScanGridSpec& spec) {
   const auto grid = make_grid(spec);
   if (!grid) throw std::logic_error("configuration accepted a grid that is wrong: " + grid.reason());
@@ -35,11 +52,6 @@ float value_of(EmptyBeam beam, const OutputScanConfig& config) {
       return 0;
   }
   return infinite;
-}
-
-void set_encoding(const OutputScanConfig& output, PlanarScan& scan) {
-  scan.none_as = value_of(output.empty, output);
-  scan.invalid_as = value_of(output.unobserved, output);
 }
 
 }  // namespace lidard

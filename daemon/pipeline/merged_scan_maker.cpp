@@ -7,9 +7,7 @@
 
 #include "core/merge/merger.h"
 #include "core/mounts/mount_check.h"
-#include "daemon/pipeline/maker.h"
-#include "daemon/pipeline/merge_sources.h"
-#include "daemon/pipeline/router.h"
+#include "daemon/pipeline/merging_maker.h"
 
 namespace lidard {
 namespace {
@@ -30,24 +28,18 @@ MergeSettings settings_of(const MergedScanConfig& config) {
   return settings;
 }
 
-/// A merged scan: takes the scans of its sources, publishes when one is due.
-class MergedScanMaker final : public Maker {
+/// A merged scan: of the scans of its sources, published when one is due.
+class MergedScanMaker final : public MergingMaker {
  public:
-  MergedScanMaker(const MergedScanConfig& config, const MakerContext& context)
-      : config_(config),
-        context_(context),
-        poses_(context.poses),
+  MergedScanMaker(const MergedScanConfig& config, const PipelineContext& context)
+      : MergingMaker({MakerId::Kind::merged, config.name}, config.laserscan_topics,
+                     {config.schedule, config.on_missing_motion, config.destination_frame}, context),
+        config_(config),
         footprint_(context.vehicle.footprint),
-        sources_(
-            {config.laserscan_topics, config.schedule, config.on_missing_motion, config.destination_frame},
-            context),
-        mount_check_(config.laserscan_topics.size()),
-        compared_(config.laserscan_topics.size(), nullptr),
-        places_(config.laserscan_topics.size(), Eigen::Vector2d::Zero()) {
-    const auto topic = [&](const std::string& name) {
-      return name.empty() ? nullptr : &context.router.topic(name);
-    };
-    scan_topics_ = {topic(config.scan_destination_topic)};
+        mount_check_(sources.size()),
+        compared_(sources.size(), nullptr),
+        viewpoints_(sources.size(), Eigen::Vector2d::Zero()),
+        scan_topics_{topic(config.scan_destination_topic)} {
     for (const AlsoScanConfig& also : config.also) scan_topics_.push_back(topic(also.topic));
     cloud_topic_ = topic(config.cloud_destination_topic);
     status_topic_ = topic(config.status_topic);
@@ -56,48 +48,35 @@ class MergedScanMaker final : public Maker {
     set_up();
   }
 
-  MakerId id() const override { return {MakerId::Kind::merged, config_.name}; }
   bool is_of(const MergedScanConfig& entry) const override { return config_ == entry; }
-  std::vector<std::string> sources() const override { return config_.laserscan_topics; }
-  void add_scan(std::size_t source, const PlanarScan& scan, Stamp now) override {
+  void add(std::size_t source, const Frame& frame, Stamp now) override {
+    const PlanarScan* const scan = frame.scan();
+    if (scan == nullptr) return;
     Pose pose;
-    if (!place_footprint(scan.stamp) || !poses_.find(config_.destination_frame, scan.frame_id, scan.stamp,
-                                                     pose, sources_.counters.why_no_pose)) {
-      ++sources_.counters.no_pose;
-      return;
-    }
-    if (!merger_->add(source, scan, pose)) return;
-    sources_.delivered(source, *merger_->times(source), static_cast<double>(scan.scan_time), now);
-    advance(now);
+    if (!follow_footprint(scan->stamp) ||
+        !find_pose(config_.destination_frame, scan->frame_id, scan->stamp, pose))
+      return void(++counters_.no_pose);
+    if (merger_->add(source, *scan, pose))
+      delivered(source, *merger_->times(source), static_cast<double>(scan->scan_time), now);
   }
-  void advance(Stamp now) override {
-    if (const auto moment = sources_.due(now)) publish(*moment, now);
-  }
-  std::optional<Stamp> next_event() const override { return sources_.next_event(); }
-  bool states_changed(Stamp now) override { return sources_.states_changed(now); }
   void set_scan(const OutputScanConfig& wanted) override {
     config_.output = wanted;
     set_up();
     mount_check_.reset();
-    sources_.forget();
+    forget();
   }
   void restart() override {
     merger_->reset();
     mount_check_.reset();
-    sources_.restart();
+    MergingMaker::restart();
   }
   MakerStatus status(Stamp now) const override {
-    MakerStatus status;
-    status.counters = sources_.counters;
-    status.merge = sources_.status(now);
+    MakerStatus status = MergingMaker::status(now);
     status.merge->mounts = mount_check_.pairs();
     status.merge->wrong_mount = mount_check_.wrong_source();
-    for (const OutputTopic* topic : scan_topics_) status.topics.push_back(topic->name);
-    for (const OutputTopic* topic : {cloud_topic_, status_topic_})
-      if (topic != nullptr) status.topics.push_back(topic->name);
     if (merger_->visibility() != nullptr) {
       std::uint64_t own = 0, seen_through = 0, mixed = 0;
-      for (std::size_t s = 0; s < config_.laserscan_topics.size(); ++s) {
+      for (std::size_t s = 0; s < sources.size(); ++s) {
         const PlacedScan& sweep = merger_->last_sweep(s);
         own += sweep.own_returns;
         seen_through += sweep.seen_through;
@@ -116,37 +95,30 @@ class MergedScanMaker final : public Maker {
  private:
   /// Makes what depends on the grid and the profiles.
   void set_up() {
-    merger_.emplace(grid_of(config_.output.grid), band_of(config_.output), config_.laserscan_topics.size(),
+    merger_.emplace(grid_of(config_.output.grid), band_of(config_.output), sources.size(),
                     settings_of(config_));
-    footprint_placed_.reset();
-    scans_.assign(1 + config_.also.size(), PlanarScan());
-    set_encoding(config_.output, scans_[0]);
+    footprint_pose_.reset();
+    make_scans(config_.output, config_.also, scans_, merged_);
     for (PlanarScan& scan : scans_) scan.frame_id = config_.destination_frame;
-    merged_ = {{config_.output.profile, &scans_[0]}};
-    for (std::size_t i = 0; i < config_.also.size(); ++i)
-      merged_.push_back({config_.also[i].profile, &scans_[i + 1]});
   }
-  bool place_footprint(Stamp stamp) {
+  /// Keeps the footprint in the output frame; false if its pose there is unknown.
+  bool follow_footprint(Stamp stamp) {
     if (footprint_.empty()) return true;
     Pose pose;
-    if (!poses_.find(config_.destination_frame, context_.vehicle.base_frame, stamp, pose,
-                     sources_.counters.why_no_pose))
-      return false;
-    if (footprint_placed_ && footprint_placed_->matrix() == pose.matrix()) return true;
-    footprint_placed_ = pose;
+    if (!find_pose(config_.destination_frame, context_.vehicle.base_frame, stamp, pose)) return false;
+    if (footprint_pose_ && footprint_pose_->matrix() == pose.matrix()) return true;
+    footprint_pose_ = pose;
     merger_->set_footprint(footprint_.transformed(pose));
     return true;
   }
-  void publish(const MergeMoment& moment, Stamp now) {
-    const MergeReport& report =
-        merger_->merge(moment, sources_.usable(now), merged_, cloud_topic_ != nullptr ? &cloud_ : nullptr);
-    sources_.published(report, now);
+  void publish(MergeMoment moment, Stamp now) override {
+    published(merger_->merge(moment, usable(now), merged_, cloud_topic_ != nullptr ? &cloud_ : nullptr), now);
     compare_sources(moment.at);
-    for (std::size_t i = 0; i < scans_.size(); ++i) context_.router.publish(*scan_topics_[i], scans_[i], now);
-    if (cloud_topic_ != nullptr) context_.router.publish(*cloud_topic_, cloud_, now);
+    for (std::size_t i = 0; i < scans_.size(); ++i) scan_topics_[i]->deliver(scans_[i], now);
+    if (cloud_topic_ != nullptr) cloud_topic_->deliver(cloud_, now);
     if (status_topic_ == nullptr) return;
     fill_status();
-    context_.router.publish(*status_topic_, status_, now);
+    status_topic_->deliver(status_, now);
   }
   void fill_status() {
     const Visibility& visibility = *merger_->visibility();
@@ -166,28 +138,25 @@ class MergedScanMaker final : public Maker {
     if (merger_->visibility() == nullptr || !mount_check_.is_due(stamp)) return;
     for (std::size_t s = 0; s < compared_.size(); ++s) {
       compared_[s] = merger_->sweep(s);
-      places_[s] = merger_->looks_from(s);
+      viewpoints_[s] = merger_->looks_from(s);
     }
     const auto moved = [](SourceUse use) { return use == SourceUse::static_poses; };
     mount_check_.update(
-        stamp, compared_, places_,
-        poses_.track() != nullptr && std::none_of(sources_.uses().begin(), sources_.uses().end(), moved));
+        stamp, compared_, viewpoints_,
+        context_.motion.track() != nullptr && std::none_of(uses().begin(), uses().end(), moved));
   }
 
   MergedScanConfig config_;
-  const MakerContext& context_;
-  const FrameTree& poses_;
-  Footprint footprint_;                   // in base_frame
-  std::optional<Pose> footprint_placed_;  // base_frame in the output frame when it was last set
+  Footprint footprint_;                 // in base_frame
+  std::optional<Pose> footprint_pose_;  // base_frame in the output frame when it was last set
   std::optional<Merger> merger_;
-  MergeSources sources_;
   MountCheck mount_check_;
   std::vector<const PlacedScan*> compared_;
-  std::vector<Eigen::Vector2d> places_;
-  std::vector<PlanarScan> scans_;                // the first is the entry's own, then those of `also`
-  std::vector<const OutputTopic*> scan_topics_;  // of scans_, in the same order
-  const OutputTopic* cloud_topic_ = nullptr;     // nullptr, as below: none
-  const OutputTopic* status_topic_ = nullptr;
+  std::vector<Eigen::Vector2d> viewpoints_;
+  std::vector<PlanarScan> scans_;    // the first is the entry's own, then those of `also`
+  std::vector<Route*> scan_topics_;  // of scans_, in the same order
+  Route* cloud_topic_ = nullptr;     // nullptr, as below: none
+  Route* status_topic_ = nullptr;
   std::vector<MergedScan> merged_;
   PlanarScan status_;
   Cloud cloud_;
@@ -195,7 +164,7 @@ class MergedScanMaker final : public Maker {
 
 }  // namespace
 
-std::unique_ptr<Maker> make_maker(const MergedScanConfig& config, const MakerContext& context) {
+std::unique_ptr<Maker> make_maker(const MergedScanConfig& config, const PipelineContext& context) {
   return std::make_unique<MergedScanMaker>(config, context);
 }
 

@@ -27,7 +27,6 @@ void Pipeline::configure(const Config& config) {
   if (is_other_vehicle) makers.clear();
   vehicle_ = config.vehicle;
   frames_.configure(config);
-  motion_.configure();
   if (is_other_vehicle) motion_.restart();  // poses in another frame do not continue those before
   router_.configure(config);
   flows_ = {};
@@ -37,7 +36,7 @@ void Pipeline::configure(const Config& config) {
   for (const auto& entry : config.merged_scans) add_maker(entry, makers);
   for (const auto& entry : config.merged_clouds) add_maker(entry, makers);
   for (const auto& entry : config.virtual_scans) add_maker(entry, makers);
-  knows_next_event_ = false;
+  next_event_after_.reset();
   report_wanted_ = true;
 }
 
@@ -45,8 +44,8 @@ void Pipeline::add_sensor(const SensorConfig& entry, std::size_t index, List<Sen
   const auto same = std::find_if(before.begin(), before.end(),
                                  [&](const auto& one) { return one && one->config() == entry; });
   const bool is_new = same == before.end();
-  sensors_.push_back(is_new ? std::make_unique<Sensor>(entry, index, sensor_context_) : std::move(*same));
-  if (is_new) sensors_.back()->begun = sensor_context_.now;
+  sensors_.push_back(is_new ? std::make_unique<Sensor>(entry, index, context_) : std::move(*same));
+  if (is_new) sensors_.back()->begun = context_.now;
   sensors_.back()->set_index(index);
   for (const Flow& flow : flows_of(entry)) flows_.add(flow, sensors_.back().get());
   if (entry.model != nullptr && entry.model->transport == Transport::tcp) tcp_ports_.insert(entry.ip_port);
@@ -57,17 +56,9 @@ void Pipeline::add_maker(const Entry& entry, List<Maker>& before) {
   const auto same =
       std::find_if(before.begin(), before.end(), [&](const auto& one) { return one && one->is_of(entry); });
   const bool is_new = same == before.end();
-  makers_.push_back(is_new ? make_maker(entry, maker_context_) : std::move(*same));
-  Maker& maker = *makers_.back();
-  if (is_new) maker.begun = sensor_context_.now;
-  std::size_t index = 0;
-  for (const std::string& name : maker.sources()) router_.connect(router_.source(name), maker, index++);
-}
-
-/// The sensor of that index in the configuration.
-Sensor& Pipeline::sensor_at(std::size_t index) const {
-  const auto has_index = [index](const auto& sensor) { return sensor->index() == index; };
-  return **std::find_if(sensors_.begin(), sensors_.end(), has_index);
+  makers_.push_back(is_new ? make_maker(entry, context_) : std::move(*same));
+  if (is_new) makers_.back()->begun = context_.now;
+  router_.connect(*makers_.back(), makers_.back()->sources);
 }
 
 /// The sensor that a packet belongs to; nullptr: no sensor, or a packet without use.
@@ -108,54 +99,50 @@ void Pipeline::packet(const Packet& packet) {
 
 void Pipeline::chunk(std::size_t sensor, const Packet& packet) {
   advance(packet.arrival);
-  sensor_at(sensor).receive(packet, packet.arrival);
+  sensors_.at(sensor)->receive(packet, packet.arrival);
 }
 
 void Pipeline::connected(std::size_t sensor, Stamp now) {
-  sensor_context_.now = now;
-  sensor_at(sensor).connected(now);
+  context_.now = now;
+  sensors_.at(sensor)->connected(now);
 }
 
 void Pipeline::forwarded_scan(const std::string& source, const PlanarScan& scan, Stamp received) {
-  const auto number = router_.find_source(source);
-  if (!number) return;  // a reload has removed it
+  Route* const route = router_.find_source(source);
+  if (route == nullptr) return;  // a reload has removed it
   advance(received);
   motion_.poll(received);
   motion_.note_data(scan.stamp, received);
-  router_.feed(*number, scan, received);
+  route->deliver(scan, received);
 }
 
-/// Messages of a sensor's topic, of packets for its driver or not.
-template <class Message>
-void Pipeline::sensor_message(const std::string& name, Message& message, Stamp received) {
-  constexpr bool with_driver = std::is_same_v<Message, const Packet>;
-  advance(received);
+/// nullptr: a reload has removed it, or given it another kind of input.
+Sensor* Pipeline::find_sensor(const std::string& name, bool with_driver) const {
   for (const auto& sensor : sensors_) {
-    const SensorConfig& config = sensor->config();
-    if (config.name != name || (config.model != nullptr) != with_driver) continue;
-    if constexpr (with_driver)
-      sensor->receive_message(message, received);
-    else
-      sensor->receive(message, received);
+    if (sensor->config().name == name && sensor->has_driver() == with_driver) return sensor.get();
   }
+  return nullptr;
 }
 
-void Pipeline::packet_message(const std::string& sensor, const Packet& packet, Stamp received) {
-  sensor_message(sensor, packet, received);
+void Pipeline::packet_message(const std::string& name, const Packet& packet, Stamp received) {
+  advance(received);
+  if (Sensor* const sensor = find_sensor(name, true)) sensor->receive_message(packet, received);
 }
 
-void Pipeline::scan_message(const std::string& sensor, PlanarScan& scan, Stamp received) {
-  sensor_message(sensor, scan, received);
+void Pipeline::scan_message(const std::string& name, PlanarScan& scan, Stamp received) {
+  advance(received);
+  if (Sensor* const sensor = find_sensor(name, false)) sensor->receive(scan, received);
 }
 
-void Pipeline::cloud_message(const std::string& sensor, Cloud& cloud, Stamp received) {
-  sensor_message(sensor, cloud, received);
+void Pipeline::cloud_message(const std::string& name, Cloud& cloud, Stamp received) {
+  advance(received);
+  if (Sensor* const sensor = find_sensor(name, false)) sensor->receive(cloud, received);
 }
 
 void Pipeline::pose_message(Stamp stamp, const Pose& pose, const std::string& child, Stamp received) {
   if (!vehicle_.has_motion()) return;
   advance(received);
-  motion_.add_pose(motion_.placed(stamp, received + sensor_context_.messages_ahead), pose, child, received);
+  motion_.add_pose(motion_.stamp_of(stamp, received + context_.messages_ahead), pose, child, received);
   advance_to(received);
 }
 
@@ -163,16 +150,16 @@ void Pipeline::turn_message(Stamp stamp, const Eigen::Vector3d& rates, const std
                             Stamp received) {
   if (!vehicle_.has_motion()) return;
   advance(received);
-  motion_.add_turn(motion_.placed(stamp, received + sensor_context_.messages_ahead), rates, frame, received);
+  motion_.add_turn(motion_.stamp_of(stamp, received + context_.messages_ahead), rates, frame, received);
   advance_to(received);
 }
 
 std::string Pipeline::set_scan(const MakerId& maker, const OutputScanConfig& wanted) {
   if (const auto grid = make_grid(wanted.grid); !grid) return grid.reason();
   for (const auto& one : makers_) {
-    if (!(one->id() == maker)) continue;
+    if (!(one->id == maker)) continue;
     one->set_scan(wanted);
-    knows_next_event_ = false;
+    next_event_after_.reset();
     return {};
   }
   return "there is no output named " + maker.entry;
@@ -189,17 +176,17 @@ std::string Pipeline::set_sensor(const SensorConfig& wanted) {
 
 /// Publishes what is due at `at`.
 void Pipeline::advance_to(Stamp at) {
-  sensor_context_.now = at;
+  context_.now = at;
   motion_.poll(at);
   for (const auto& maker : makers_) {
     maker->advance(at);
     report_wanted_ = maker->states_changed(at) || report_wanted_;
   }
-  knows_next_event_ = false;
+  next_event_after_.reset();
 }
 
 std::optional<Stamp> Pipeline::next_event() {
-  if (!router_.was_fed() && knows_next_event_) return next_event_;
+  if (next_event_after_ == router_.delivered()) return next_event_;
   next_event_.reset();
   const auto consider = [this](const auto& all) {
     for (const auto& one : all) {
@@ -209,7 +196,7 @@ std::optional<Stamp> Pipeline::next_event() {
   };
   consider(sensors_);
   consider(makers_);
-  knows_next_event_ = true;
+  next_event_after_ = router_.delivered();
   return next_event_;
 }
 
@@ -221,7 +208,7 @@ void Pipeline::advance(Stamp now) {
   auto event = next_event();
   if (event && *event <= now) {
     for (const auto& sensor : sensors_) sensor->advance(now);
-    knows_next_event_ = false;
+    next_event_after_.reset();
   }
   // After a long pause, outputs of the past are not published.
   constexpr Span longest_pause = std::chrono::seconds(1);
@@ -233,12 +220,12 @@ void Pipeline::advance(Stamp now) {
     advance_to(at);
     if (report_wanted_) call_reporter(at);
   }
-  sensor_context_.now = now;
+  context_.now = now;
 }
 
 void Pipeline::tick(Stamp now) {
   // What arrived after the caller looked at its clock is known already.
-  const Stamp known = sensor_context_.now;
+  const Stamp known = context_.now;
   if (now < known && known - now < report_period) now = known;
   for (const auto& sensor : sensors_) sensor->advance(now);
   advance(now);
@@ -252,7 +239,7 @@ void Pipeline::tick(Stamp now) {
 }
 
 void Pipeline::finish(Stamp now) {
-  sensor_context_.now = now;
+  context_.now = now;
   for (const auto& sensor : sensors_) sensor->finish();
 }
 
@@ -261,7 +248,7 @@ void Pipeline::restart() {
   for (const auto& maker : makers_) maker->restart();
   motion_.restart();
   made_time_.reset();
-  knows_next_event_ = false;
+  next_event_after_.reset();
 }
 
 PipelineStatus Pipeline::status(Stamp now) const {
@@ -271,14 +258,10 @@ PipelineStatus Pipeline::status(Stamp now) const {
     status.sensors.push_back(sensor->status(now));
     status.sensors.back().starting = start_.is_starting(now, sensor->begun);
   }
-  status.motion = motion_.status(sensor_context_.now);
+  status.motion = motion_.status(context_.now);
   for (const auto& maker : makers_) {
     status.makers.push_back(maker->status(now));
-    MakerStatus& added = status.makers.back();
-    added.id = maker->id();
-    added.sources = maker->sources();
-    added.is_wanted = maker->is_wanted();
-    added.starting = start_.is_starting(now, maker->begun);
+    status.makers.back().starting = start_.is_starting(now, maker->begun);
   }
   status.unknown_senders = &unknown_senders_;
   return status;

@@ -10,46 +10,10 @@
 #include <vector>
 
 #include "daemon/pipeline/maker.h"
-#include "daemon/pipeline/router.h"
+#include "daemon/pipeline/messages.h"
 #include "daemon/pipeline/sensor.h"
 
 namespace lidard {
-
-/// Gets what other nodes publish, in the thread of the pipeline; `received` is when it came. A sensor is
-/// named, since a message may be on its way while the configuration changes.
-class MessageReceiver {
- public:
-  virtual ~MessageReceiver() = default;
-  /// By how much the clock that stamps the messages from now on is ahead of the arrivals: a simulator's.
-  virtual void set_message_clock(Span ahead) = 0;
-  /// A packet of a sensor with `packet_topic:`; its `arrival` is that at the node that received it.
-  virtual void packet_message(const std::string& sensor, const Packet& packet, Stamp received) = 0;
-  /// A message of a `topic:` source.
-  virtual void scan_message(const std::string& sensor, PlanarScan& scan, Stamp received) = 0;
-  virtual void cloud_message(const std::string& sensor, Cloud& cloud, Stamp received) = 0;
-  /// A pose of `child` (empty: base_frame) in the odometry's frame, for deskewing.
-  virtual void pose_message(Stamp stamp, const Pose& pose, const std::string& child, Stamp received) = 0;
-  /// Turn rates in `frame`, rad/s, and the speed ahead, m/s: the vehicle's motion where nobody knows its
-  /// poses.
-  virtual void turn_message(Stamp stamp, const Eigen::Vector3d& rates, const std::string& frame,
-                            Stamp received) = 0;
-  virtual void speed_message(double speed, Stamp received) = 0;
-  /// Gives a merged scan or a group of virtual scans another grid, profile or encoding from its next input
-  /// on. Empty, or why it cannot be: then nothing changes.
-  virtual std::string set_scan(const MakerId& maker, const OutputScanConfig& wanted) = 0;
-  /// Gives the sensor of that name what of `wanted` may change while it runs. Empty, or why it cannot be.
-  virtual std::string set_sensor(const SensorConfig& wanted) = 0;
-};
-
-/// Messages that were recorded, in the order of their times.
-class TimedMessages {
- public:
-  virtual ~TimedMessages() = default;
-  /// When the next one was recorded; none at the end.
-  virtual std::optional<Stamp> next() const = 0;
-  /// Passes those up to `until` on; nullptr: drops them.
-  virtual void feed(MessageReceiver* to, Stamp until) = 0;
-};
 
 /// Detects the first second after a start, in which silence is no fault. A jump of the clock, a pause of the
 /// program and a hole in a capture count as starts.
@@ -101,18 +65,18 @@ class Pipeline final : public MessageReceiver {
   Stamp time_of(const Packet& packet) const;
 
   /// Where requests to devices go; must outlive the pipeline's use. nullptr, as in replay: they are dropped.
-  void set_connections(DeviceConnections* connections) { sensor_context_.connections = connections; }
+  void set_connections(DeviceConnections* connections) { context_.connections = connections; }
   /// What came over the connection of a sensor, `sensor` being its index in the configuration.
   void chunk(std::size_t sensor, const Packet& packet);
   void connected(std::size_t sensor, Stamp now);
-  void disconnected(std::size_t sensor) { sensor_at(sensor).disconnected(); }
+  void disconnected(std::size_t sensor) { sensors_.at(sensor)->disconnected(); }
   /// Frames that a sensor's driver has handed on so far.
-  std::uint64_t frames(std::size_t sensor) const { return sensor_at(sensor).counters().frames; }
+  std::uint64_t frames(std::size_t sensor) const { return sensors_.at(sensor)->counters().frames; }
 
   /// A scan of a source of merged scans that another part of the configuration has.
   void forwarded_scan(const std::string& source, const PlanarScan& scan, Stamp received);
 
-  void set_message_clock(Span ahead) override { sensor_context_.messages_ahead = ahead; }
+  void set_message_clock(Span ahead) override { context_.messages_ahead = ahead; }
   void packet_message(const std::string& sensor, const Packet& packet, Stamp received) override;
   void scan_message(const std::string& sensor, PlanarScan& scan, Stamp received) override;
   void cloud_message(const std::string& sensor, Cloud& cloud, Stamp received) override;
@@ -139,11 +103,11 @@ class Pipeline final : public MessageReceiver {
   /// States and counters; what the parts refer to is valid until the next configure().
   PipelineStatus status(Stamp now) const;
   /// What came out so far, one for each of output_topics().
-  const std::vector<TopicReport>& topic_reports() const { return router_.reports(); }
+  std::vector<TopicReport> topic_reports() const { return router_.reports(); }
   /// Senders on a configured port that no sensor claims, "192.168.1.9:2368 (412 packets)".
   std::vector<std::string> unclaimed_senders() const { return unknown_senders_.names(); }
   /// The newest time that the pipeline knows.
-  Stamp now() const { return sensor_context_.now; }
+  Stamp now() const { return context_.now; }
   /// Called once per second of the time, and when a source comes or goes.
   void set_reporter(std::function<void(Stamp now)> reporter) { reporter_ = std::move(reporter); }
 
@@ -151,10 +115,8 @@ class Pipeline final : public MessageReceiver {
   template <class What>
   using List = std::vector<std::unique_ptr<What>>;
 
-  Sensor& sensor_at(std::size_t index) const;
   Sensor* owner_of(const Packet& packet);
-  template <class Message>
-  void sensor_message(const std::string& name, Message& message, Stamp received);
+  Sensor* find_sensor(const std::string& name, bool with_driver) const;
   void add_sensor(const SensorConfig& entry, std::size_t index, List<Sensor>& before);
   template <class Entry>
   void add_maker(const Entry& entry, List<Maker>& before);
@@ -167,20 +129,20 @@ class Pipeline final : public MessageReceiver {
   FlowTable<Sensor*> flows_;
   std::set<std::uint16_t> tcp_ports_;  // of devices that stream over TCP
   UnknownSenders unknown_senders_;
-  List<Sensor> sensors_;
+  List<Sensor> sensors_;  // by their index in the configuration
   List<Maker> makers_;
   Router router_;
-  SensorContext sensor_context_{router_, motion_};
+  PipelineContext context_{vehicle_, frames_, motion_, router_};
   /// The time by the sensors' clocks, when packets had this arrival.
   struct MadeTime {
     Stamp arrival, now;
   };
   std::optional<MadeTime> made_time_;
   Span made_ahead_{0};  // by which the time was ahead of the newest packet's arrival
-  MakerContext maker_context_{vehicle_, frames_, router_};
   StartWatch start_;
   std::optional<Stamp> next_event_;
-  bool knows_next_event_ = false;
+  std::optional<std::uint64_t>
+      next_event_after_;  // frames delivered when it was found; none: it is not known
   std::function<void(Stamp)> reporter_ = [](Stamp) {};
   Stamp last_report_{};
   bool report_wanted_ = false;  // a source has come or gone

@@ -4,22 +4,32 @@
 
 namespace lidard {
 
-void RawPacketCollector::add(const Packet& packet) {
+void RawPacketCollector::add(const Packet& packet, Stamp now) {
+  constexpr Span longest_pause = std::chrono::seconds(1);
+  RawPackets& packets = *message_.operator->();
+  const Span since_first = packet.arrival - first_;
+  if (!packets.arrivals.empty() && std::chrono::abs(since_first - packets.arrivals.back()) > longest_pause)
+    publish(now);
   if (packet.transport != Transport::udp || packet.payload.size() != packet_size) return;
-  if (is_empty()) first_ = packet.arrival;
-  message_->arrivals.push_back(packet.arrival - first_);
-  message_->bytes.insert(message_->bytes.end(), packet.payload.begin(), packet.payload.end());
+  if (packets.arrivals.empty()) first_ = packet.arrival;
+  packets.arrivals.push_back(packet.arrival - first_);
+  packets.bytes.insert(packets.bytes.end(), packet.payload.begin(), packet.payload.end());
+  if (packets.arrivals.size() >= most_packets) publish(now);
 }
 
-const DeviceMessage& RawPacketCollector::message() {
+void RawPacketCollector::publish(Stamp now) {
   RawPackets& packets = *message_.operator->();
+  if (packets.arrivals.empty()) return;
   packets.frame_id = config_.frame_id;
   packets.stamp = first_ + config_.driver.time_offset;
-  if (config_.layout.stamp == FrameStamp::first) return message_;
-  const Span last = packets.arrivals.back();
-  for (Span& arrival : packets.arrivals) arrival -= last;
-  packets.stamp = packets.stamp + last;
-  return message_;
+  if (config_.layout.stamp != FrameStamp::first) {
+    const Span last = packets.arrivals.back();
+    for (Span& arrival : packets.arrivals) arrival -= last;
+    packets.stamp = packets.stamp + last;
+  }
+  const DeviceMessage& message = message_;
+  topic_.deliver(message, now);
+  clear();
 }
 
 }  // namespace lidard

@@ -2,12 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "daemon/config/config.h"
-#include "drivers/driver.h"
+#include "daemon/pipeline/router.h"
 
 namespace lidard {
 
-/// Collects the data packets of a revolution for SensorConfig::raw_topic. Keeps its memory.
+/// Publishes the data packets of each revolution on SensorConfig::raw_topic. Keeps its memory.
 class RawPacketCollector {
  public:
   /// A VLS-128 in dual return mode at 300 rpm sends 3618 packets in a revolution.
@@ -16,27 +15,21 @@ class RawPacketCollector {
   /// Bytes of a velodyne_msgs/VelodynePacket.
   static constexpr std::size_t packet_size = 1206;
 
-  /// `config` must outlive this.
-  explicit RawPacketCollector(const SensorConfig& config) : config_(config) {}
+  /// The arguments must outlive this.
+  RawPacketCollector(const SensorConfig& config, Route& topic) : config_(config), topic_(topic) {}
 
-  /// Adds a datagram, unless its size is not that of a data packet.
-  void add(const Packet& packet);
-  /// True if the packet does not belong to the revolution of those before.
-  bool is_broken_off_by(const Packet& packet) {
-    constexpr Span longest_pause = std::chrono::seconds(1);
-    return !is_empty() &&
-           std::chrono::abs(packet.arrival - first_ - message_->arrivals.back()) > longest_pause;
-  }
-  /// True if the packets must be published before the end of the revolution: the motor may stand still.
-  bool is_full() { return message_->arrivals.size() >= most_packets; }
-  bool is_empty() { return message_->arrivals.empty(); }
-  /// The packets since clear(), at least one. Stamps are arrival times plus `time_offset`, as in
-  /// velodyne_driver; the stamp of the message is that of the first or the last packet, by `frame_stamp`.
-  const DeviceMessage& message();
+  /// Adds a datagram, unless its size is not that of a data packet. Publishes those before it after a pause,
+  /// and all when they are too many: the motor may stand still.
+  void add(const Packet& packet, Stamp now);
+  /// Publishes the packets since the last call, if any, as one message. Stamps are arrival times plus
+  /// `time_offset`, as in velodyne_driver; the stamp of the message is that of the first or the last packet,
+  /// by `frame_stamp`.
+  void publish(Stamp now);
   void clear() { message_->clear(); }
 
  private:
   const SensorConfig& config_;
+  Route& topic_;
   ReusedMessage<RawPackets> message_;
   Stamp first_{};
 };

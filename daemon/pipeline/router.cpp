@@ -5,93 +5,77 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "daemon/pipeline/maker.h"
-
 namespace lidard {
 
-void Router::configure(const Config& config) {
-  auto topics = std::exchange(topics_, {});
-  const auto reports = std::exchange(reports_, {});
-  names_.clear();
-  for (const SensorConfig& sensor : config.sensors) names_.push_back(sensor.name);
-  first_topic_ = names_.size();
-  for (const OutputTopic& topic : output_topics(config)) {
-    const auto known = std::find_if(topics.begin(), topics.end(),
-                                    [&](const auto& one) { return one && one->name == topic.name; });
-    const bool is_new = known == topics.end();
-    reports_.push_back(is_new ? TopicReport() : reports[(*known)->id]);
-    reports_.back().name = topic.name;
-    reports_.back().promised = topic.promised;
-    topics_.push_back(is_new ? std::make_unique<OutputTopic>() : std::move(*known));
-    *topics_.back() = topic;
-    names_.push_back(topic.name);
+void Route::deliver(const Frame& frame, Stamp now) {
+  ++router_.delivered_;
+  if (topic_) {
+    report_.count(now);
+    frame.has_points ? router_.sink_.publish(*topic_, frame, now) : router_.sink_.skip(*topic_, now);
   }
+  if (is_forwarded_ && frame.scan() != nullptr) router_.forward_(name_, *frame.scan(), now);
+  for (const Use& use : uses_) use.user->add(use.source, frame, now);
+}
+
+bool Route::is_wanted() const {
+  return is_forwarded_ || (topic_ && router_.sink_.wants(*topic_)) ||
+         std::any_of(uses_.begin(), uses_.end(), [](const Use& use) { return use.user->is_wanted(); });
+}
+
+void Router::configure(const Config& config) {
+  auto before = std::exchange(routes_, {});
+  const auto add = [&](const std::string& name, const OutputTopic* topic) {
+    const auto known = std::find_if(before.begin(), before.end(), [&](const auto& one) {
+      return one && one->name_ == name && one->topic_.has_value() == (topic != nullptr);
+    });
+    const bool is_new = known == before.end();
+    routes_.push_back(is_new ? std::make_unique<Route>(*this, name) : std::move(*known));
+    Route& route = *routes_.back();
+    route.uses_.clear();
+    route.is_forwarded_ = config.elsewhere.merged.count(name) > 0;
+    if (topic == nullptr) return;
+    route.topic_ = *topic;
+    route.report_.name = name;
+    route.report_.promised = topic->promised;
+  };
+  for (const SensorConfig& sensor : config.sensors) add(sensor.name, nullptr);
+  for (const OutputTopic& topic : output_topics(config)) add(topic.name, &topic);
   for (const MergedScanConfig& merged : config.merged_scans) {
     for (const std::string& source : merged.laserscan_topics)
-      if (!find_source(source)) names_.push_back(source);
+      if (find_source(source) == nullptr) add(source, nullptr);
   }
-  consumers_.assign(names_.size(), {});
-  is_forwarded_.clear();
-  for (const std::string& name : names_) is_forwarded_.push_back(config.elsewhere.merged.count(name) > 0);
 }
 
-std::optional<std::size_t> Router::find_source(const std::string& name) const {
-  const auto found = std::find(names_.begin(), names_.end(), name);
-  if (found == names_.end()) return std::nullopt;
-  return static_cast<std::size_t>(found - names_.begin());
+void Router::connect(FrameUser& user, const std::vector<std::string>& sources) {
+  std::size_t index = 0;
+  for (const std::string& name : sources) source(name).uses_.push_back({&user, index++});
 }
 
-std::size_t Router::source(const std::string& name) const {
-  const auto found = find_source(name);
-  if (!found) throw std::logic_error("no source " + name);
-  return *found;
+Route* Router::find_source(const std::string& name) const {
+  for (const auto& route : routes_) {
+    if (route->name_ == name) return route.get();
+  }
+  return nullptr;
 }
 
-const OutputTopic& Router::topic(const std::string& name) const {
-  for (const auto& topic : topics_) {
-    if (topic->name == name) return *topic;
+Route& Router::source(const std::string& name) const {
+  if (Route* const found = find_source(name)) return *found;
+  throw std::logic_error("no source " + name);
+}
+
+Route& Router::topic(const std::string& name) const {
+  for (const auto& route : routes_) {
+    if (route->topic_ && route->name_ == name) return *route;
   }
   throw std::logic_error("no topic " + name);
 }
 
-void Router::publish(const OutputTopic& topic, const Payload& payload, Stamp now) {
-  reports_[topic.id].count(now);
-  sink_.publish(topic, payload, now);
-  if (const auto* scan = std::get_if<const PlanarScan*>(&payload)) feed(first_topic_ + topic.id, **scan, now);
-}
-
-void Router::skip(const OutputTopic& topic, Stamp now) {
-  reports_[topic.id].count(now);
-  sink_.skip(topic, now);
-}
-
-void Router::feed(std::size_t source, const PlanarScan& scan, Stamp now) {
-  fed_ = true;
-  if (is_forwarded_[source] != 0) forward_(names_[source], scan, now);
-  for (const Consumer& consumer : consumers_[source]) consumer.maker->add_scan(consumer.index, scan, now);
-}
-
-void Router::feed(std::size_t source, const Cloud& cloud, Stamp now) {
-  fed_ = true;
-  for (const Consumer& consumer : consumers_[source]) consumer.maker->add_cloud(consumer.index, cloud, now);
-}
-
-void Router::feed(const OutputTopic& topic, const std::vector<PlacedCloud>& clouds, Stamp instant,
-                  Stamp now) {
-  for (const Consumer& consumer : consumers_[first_topic_ + topic.id])
-    consumer.maker->add_clouds(clouds, instant, now);
-}
-
-void Router::pass_by(std::size_t source, const Cloud& cloud, Stamp now) {
-  fed_ = true;
-  for (const Consumer& consumer : consumers_[source]) consumer.maker->pass_by(consumer.index, cloud, now);
-}
-
-bool Router::feeds(std::size_t source) const {
-  const auto& consumers = consumers_.at(source);
-  return is_forwarded_[source] != 0 ||
-         std::any_of(consumers.begin(), consumers.end(),
-                     [](const Consumer& consumer) { return consumer.maker->is_wanted(); });
+std::vector<TopicReport> Router::reports() const {
+  std::vector<TopicReport> reports;
+  for (const auto& route : routes_) {
+    if (route->topic_) reports.push_back(route->report_);
+  }
+  return reports;
 }
 
 }  // namespace lidard

@@ -10,78 +10,81 @@
 #include <utility>
 #include <vector>
 
-#include "core/motion/frame_motion.h"
 #include "daemon/config/config.h"
 #include "daemon/pipeline/sink.h"
 #include "daemon/pipeline/status.h"
 
 namespace lidard {
 
-class Maker;
+class Router;
 
 /// Passes a scan to the part of the configuration that merges it.
 using Forward = std::function<void(const std::string& source, const PlanarScan& scan, Stamp now)>;
 
-/// The way on for frames: to the sink, and to the merged and virtual scans that are made of them. Sources
-/// are numbered: sensors by their index in the configuration, then topics by OutputTopic::id.
+/// Uses the frames of sources.
+class FrameUser {
+ public:
+  virtual ~FrameUser() = default;
+  /// False while nobody would get what it makes of them.
+  virtual bool is_wanted() const { return true; }
+  /// Accepts a frame; `source`: index of its source among those of this.
+  virtual void add(std::size_t source, const Frame& frame, Stamp now) = 0;
+};
+
+/// Who uses the frames of a sensor, or what travels on a topic. Keeps its address over a reload.
+class Route {
+ public:
+  Route(Router& router, std::string name) : router_(router), name_(std::move(name)) {}
+  /// Delivers a frame to the sink, if this is a topic, and to its users.
+  void deliver(const Frame& frame, Stamp now);
+  /// False while nobody would get a frame.
+  bool is_wanted() const;
+  const std::string& name() const { return name_; }
+
+ private:
+  friend class Router;
+  struct Use {
+    FrameUser* user;
+    std::size_t source;  // index among those of the user
+  };
+  Router& router_;
+  const std::string name_;
+  std::optional<OutputTopic> topic_;  // none: the frames of a sensor, or of a source elsewhere
+  TopicReport report_;                // of the topic
+  std::vector<Use> uses_;
+  bool is_forwarded_ = false;
+};
+
+/// The routes of a pipeline: one for each sensor, each topic and each source of merged scans that is
+/// elsewhere.
 class Router {
  public:
   /// The sink must outlive this.
   explicit Router(FrameSink& sink) : sink_(sink) {}
-  /// Replaces topics and sources, and connects nothing. A topic that was there before keeps its address and
-  /// what it counted.
+  /// Makes the routes of a configuration, which have no users yet. Topics that were there before keep what
+  /// they counted.
   void configure(const Config& config);
   void set_forward(Forward forward) { forward_ = std::move(forward); }
+  /// From now on the user gets the frames of its sources, which must be there.
+  void connect(FrameUser& user, const std::vector<std::string>& sources);
 
-  /// The topic of that name, which must be there.
-  const OutputTopic& topic(const std::string& name) const;
-  /// The number of the source of that name: a sensor, a virtual scan by its topic, or a source of merged
-  /// scans elsewhere.
-  std::optional<std::size_t> find_source(const std::string& name) const;
-  /// The number of a source that must be there.
-  std::size_t source(const std::string& name) const;
-  /// From now on `output` gets what the source gives, as its source number `index`.
-  void connect(std::size_t source, Maker& maker, std::size_t index) {
-    consumers_.at(source).push_back({&maker, index});
-  }
-
-  /// To the sink, and to the outputs that are made of a scan on this topic.
-  void publish(const OutputTopic& topic, const Payload& payload, Stamp now);
-  /// True if the sink wants what is published on the topic.
-  bool wants(const OutputTopic& topic) const { return sink_.wants(topic); }
-  /// True if an output is made of what is published on the topic.
-  bool feeds(const OutputTopic& topic) const { return feeds(first_topic_ + topic.id); }
-  /// Counts a frame that nobody wants.
-  void skip(const OutputTopic& topic, Stamp now);
-  /// True if an output is made of this source whose frames are wanted.
-  bool feeds(std::size_t source) const;
-  /// To the outputs that are made of this source.
-  void feed(std::size_t source, const PlanarScan& scan, Stamp now);
-  void feed(std::size_t source, const Cloud& cloud, Stamp now);
-  /// The clouds that were merged on this topic, brought to `instant`.
-  void feed(const OutputTopic& topic, const std::vector<PlacedCloud>& clouds, Stamp instant, Stamp now);
-  /// Reports a cloud without points, since nobody wanted them.
-  void pass_by(std::size_t source, const Cloud& cloud, Stamp now);
-  /// True if something was fed since the last call.
-  bool was_fed() { return std::exchange(fed_, false); }
-
+  /// The route of that source: a sensor, a virtual scan or merged cloud by its topic, or a source elsewhere;
+  /// nullptr: there is none.
+  Route* find_source(const std::string& name) const;
+  /// The route of a source, or of a topic, that must be there.
+  Route& source(const std::string& name) const;
+  Route& topic(const std::string& name) const;
+  /// Number of frames delivered so far.
+  std::uint64_t delivered() const { return delivered_; }
   /// What came out, by OutputTopic::id.
-  const std::vector<TopicReport>& reports() const { return reports_; }
+  std::vector<TopicReport> reports() const;
 
  private:
-  struct Consumer {
-    Maker* maker;
-    std::size_t index;  // of the source among those of the output
-  };
+  friend class Route;
   FrameSink& sink_;
   Forward forward_ = [](const std::string&, const PlanarScan&, Stamp) {};
-  std::vector<std::unique_ptr<OutputTopic>> topics_;
-  std::vector<TopicReport> reports_;
-  std::vector<std::string> names_;                // of the sources; a topic is the source of its scans
-  std::vector<std::vector<Consumer>> consumers_;  // by source
-  std::vector<char> is_forwarded_;                // by source
-  std::size_t first_topic_ = 0;                   // among the sources
-  bool fed_ = false;
+  std::vector<std::unique_ptr<Route>> routes_;  // sensors, topics, sources elsewhere
+  std::uint64_t delivered_ = 0;
 };
 
 }  // namespace lidard

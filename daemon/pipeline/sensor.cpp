@@ -33,10 +33,11 @@ void set_unobserved(const PlanarScan& shape, PlanarScan& scan) {
 
 }  // namespace
 
-Sensor::Sensor(const SensorConfig& config, std::size_t index, SensorContext& context)
+Sensor::Sensor(const SensorConfig& config, std::size_t index, const PipelineContext& context)
     : config_(config),
       index_(index),
       context_(context),
+      route_(context.router.source(config.name)),
       arranger_(config.layout),
       watch_(watch_of(config)),
       other_model_(config.model),
@@ -45,20 +46,18 @@ Sensor::Sensor(const SensorConfig& config, std::size_t index, SensorContext& con
   driver_ = config.model->make(config.driver);
   if (config.filter.any()) filter_.emplace(config.filter), ring_filter_.emplace(config.filter);
   if (config.ring_scan) ring_scan_.emplace(*config.ring_scan);
-  if (CloudPlacer::is_wanted(config))
-    placer_.emplace(config_, arranger_, context.motion,
-                    [this](Cloud& cloud, Stamp now) { publish_cloud(cloud, now); });
-  for (const OutputTopic& own : sensor_topics(config_)) {
-    const OutputTopic& topic = context.router.topic(own.name);
+  for (const OutputTopic& topic : sensor_topics(config_)) {
+    Route& route = context.router.topic(topic.name);
     if (!topic.from.empty())
-      device_topics_.push_back(&topic);
+      device_topics_.emplace_back(topic.from, &route);
     else if (topic.kind == TopicKind::message)
-      raw_topic_ = &topic;
+      raw_.emplace(config_, route);
     else if (topic.kind == TopicKind::scan || topic.kind == TopicKind::cloud)
-      (topic_ == nullptr ? topic_ : ring_topic_) = &topic;
+      (topic_ == nullptr ? topic_ : ring_topic_) = &route;
     else
-      more_scan_topics_.push_back(&topic);
+      more_scan_topics_.push_back(&route);
   }
+  if (CloudPlacer::is_wanted(config)) placer_.emplace(config_, arranger_, context, *topic_);
 }
 
 void Sensor::change(const SensorConfig& wanted) {
@@ -75,12 +74,8 @@ void Sensor::receive(const Packet& packet, Stamp received) {
   const bool datagram = packet.transport == Transport::udp;
   if (datagram && std::exchange(sender_, packet.from.address) != packet.from.address)
     devices_ = watch_for_two(config_);
-  if (raw_topic_ != nullptr) {
-    if (raw_.is_broken_off_by(packet)) publish_raw();
-    raw_.add(packet);
-  }
+  if (raw_) raw_->add(packet, context_.now);
   const Verdict verdict = driver_->receive(packet, *this);
-  if (raw_.is_full()) publish_raw();
   if (verdict.reject != Reject::none && datagram) other_model_.refused(packet, verdict.reject);
   if (datagram) devices_.observe(verdict.device, received);
   if (packet.transport == config_.model->transport) {
@@ -97,7 +92,7 @@ void Sensor::receive(const Packet& packet, Stamp received) {
 
 Span Sensor::correction_of(Stamp stamp, Span lasts, Stamp received) {
   const Stamp wanted = stamp + config_.driver.time_offset;
-  return topic_clock_.place(wanted, lasts, received + context_.messages_ahead) - stamp;
+  return topic_clock_.correct(wanted, lasts, received + context_.messages_ahead) - stamp;
 }
 
 void Sensor::receive_message(Packet packet, Stamp received) {
@@ -122,15 +117,15 @@ void Sensor::scan(PlanarScan& scan) {
   publish_scan(*topic_, filter_, scan);
 }
 
-void Sensor::publish_scan(const OutputTopic& topic, std::optional<FrameFilter>& filter, PlanarScan& scan) {
+void Sensor::publish_scan(Route& topic, std::optional<FrameFilter>& filter, PlanarScan& scan) {
   if (filter) {
-    feed(scan);
+    deliver(scan, scan.stamp);
     filter->apply(scan);
   }
-  PlanarScan& published = in_order(scan);
-  context_.router.publish(topic, published, context_.now);
-  for (const OutputTopic* more : more_scan_topics_) context_.router.publish(*more, published, context_.now);
-  if (!filter) feed(scan);
+  const PlanarScan& published = in_order(scan);
+  topic.deliver(published, context_.now);
+  for (Route* more : more_scan_topics_) more->deliver(published, context_.now);
+  if (!filter) deliver(scan, scan.stamp);
 }
 
 PlanarScan& Sensor::in_order(PlanarScan& scan) {
@@ -139,56 +134,37 @@ PlanarScan& Sensor::in_order(PlanarScan& scan) {
   return reversed_;
 }
 
-void Sensor::publish_raw() {
-  if (raw_topic_ == nullptr || raw_.is_empty()) return;
-  context_.router.publish(*raw_topic_, raw_.message(), context_.now);
-  raw_.clear();
-}
-
 bool Sensor::wants_cloud() {
-  cloud_wanted_ = ring_scan_ || context_.router.feeds(index_) || context_.router.wants(*topic_);
+  cloud_wanted_ = ring_scan_ || route_.is_wanted() || topic_->is_wanted();
   return *cloud_wanted_;
 }
 
 void Sensor::cloud(Cloud& cloud) {
-  publish_raw();
+  if (raw_) raw_->publish(context_.now);
   watch_.cloud(cloud);
-  const bool is_wanted = cloud_wanted_ ? *cloud_wanted_ : wants_cloud();
+  const bool has_points = cloud_wanted_ ? *cloud_wanted_ : wants_cloud();
   cloud_wanted_.reset();
-  if (!is_wanted) {
-    follow_motion(cloud.stamp);
-    context_.router.pass_by(index_, cloud, context_.now);
-    return context_.router.skip(*topic_, context_.now);
-  }
-  feed(cloud);
-  if (ring_scan_ && ring_scan_->convert(cloud, ring_)) publish_scan(*ring_topic_, ring_filter_, ring_);
-  if (!context_.router.wants(*topic_)) return context_.router.skip(*topic_, context_.now);
+  deliver({cloud, has_points}, cloud.stamp);
+  if (has_points && ring_scan_ && ring_scan_->convert(cloud, ring_))
+    publish_scan(*ring_topic_, ring_filter_, ring_);
+  if (!has_points || !topic_->is_wanted()) return topic_->deliver({cloud, false}, context_.now);
   if (filter_) filter_->apply(cloud);
   // The sinks come last, since they may keep the points.
   if (placer_)
     placer_->add(cloud, context_.now);
   else
-    publish_cloud(cloud, context_.now);
+    topic_->deliver(arranger_.message_of(cloud), context_.now);
 }
 
-void Sensor::publish_cloud(Cloud& cloud, Stamp now) {
-  context_.router.publish(*topic_, arranger_.is_plain() ? cloud : arranger_.arrange(cloud), now);
-}
-
-void Sensor::follow_motion(Stamp frame) {
+void Sensor::deliver(const Frame& frame, Stamp stamp) {
   context_.motion.poll(context_.now);
-  context_.motion.note_data(frame, context_.now);
+  context_.motion.note_data(stamp, context_.now);
+  route_.deliver(frame, context_.now);
 }
 
-template <class Frame>
-void Sensor::feed(const Frame& frame) {
-  follow_motion(frame.stamp);
-  context_.router.feed(index_, frame, context_.now);
-}
-
-void Sensor::publish_from_device(std::string_view name, const Payload& payload) {
-  for (const OutputTopic* topic : device_topics_) {
-    if (topic->from == name) context_.router.publish(*topic, payload, context_.now);
+void Sensor::publish_from_device(std::string_view name, const Frame& frame) {
+  for (const auto& [own, topic] : device_topics_) {
+    if (own == name) topic->deliver(frame, context_.now);
   }
 }
 
@@ -234,7 +210,7 @@ void Sensor::receive(PlanarScan& scan, Stamp received) {
   // The configured pose counts whatever frame the message names.
   if (config_.pose) scan.frame_id = config_.frame_id;
   notice_shape(scan);
-  feed(scan);
+  deliver(scan, scan.stamp);
 }
 
 void Sensor::receive(Cloud& cloud, Stamp received) {
@@ -247,7 +223,7 @@ void Sensor::receive(Cloud& cloud, Stamp received) {
   cloud.stamp = cloud.stamp + correction;
   cloud.end = cloud.end + correction;
   if (config_.pose) cloud.frame_id = config_.frame_id;
-  feed(cloud);
+  deliver(cloud, cloud.stamp);
 }
 
 void Sensor::notice_data(Stamp received) {
@@ -280,13 +256,13 @@ bool Sensor::silence_changed(Stamp now) {
 
 void Sensor::finish() {
   if (driver_ != nullptr) driver_->finish(*this);
-  publish_raw();
+  if (raw_) raw_->publish(context_.now);
   if (placer_) placer_->finish(context_.now);
 }
 
 void Sensor::restart() {
   if (driver_ != nullptr) driver_->restart();
-  raw_.clear();
+  if (raw_) raw_->clear();
   connection_.restart();
   watch_.restart();
 }
@@ -303,9 +279,9 @@ SensorStatus Sensor::status(Stamp now) const {
     // The kernel stamps live packets; of those that waited while the daemon was stopped many have one stamp.
     status.info = context_.connections != nullptr ? driver_->info() : info_of(*driver_);
   if (driver_ && context_.connections != nullptr) status.settings = driver_->settings(now);
-  if (filter_) status.filters.push_back({topic_->name, filter_->counters()});
+  if (filter_) status.filters.push_back({topic_->name(), filter_->counters()});
   if (filter_ && ring_topic_ != nullptr)
-    status.filters.push_back({ring_topic_->name, ring_filter_->counters()});
+    status.filters.push_back({ring_topic_->name(), ring_filter_->counters()});
   if (placer_) status.gate = placer_->gate();
   status.seen = seen_;
   status.last_arrival = last_arrival_;

@@ -11,61 +11,27 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/bytes.h"
+#include "core/base/alternation.h"
+#include "core/base/topic_clock.h"
 #include "core/frames/frame_filter.h"
 #include "daemon/config/config.h"
-#include "daemon/pipeline/alternation.h"
 #include "daemon/pipeline/cloud_placer.h"
-#include "daemon/pipeline/other_model.h"
+#include "daemon/pipeline/context.h"
 #include "daemon/pipeline/raw_packets.h"
-#include "daemon/pipeline/reception.h"
-#include "daemon/pipeline/router.h"
 #include "daemon/pipeline/status.h"
-#include "daemon/pipeline/topic_clock.h"
-#include "daemon/pipeline/vehicle_motion.h"
-#include "drivers/address.h"
 #include "drivers/capture/pcap_source.h"
+#include "drivers/reception.h"
+#include "drivers/registry/other_model.h"
 
 namespace lidard {
 
-/// DeviceConnections::trouble() before the end of the first attempt.
-inline constexpr const char* first_attempt = "connecting";
-
-/// The TCP connections to devices. Sensors are identified by their index in the configuration. There are no
-/// connections in replay.
-class DeviceConnections {
- public:
-  virtual ~DeviceConnections() = default;
-  /// Opens a connection to the device's dialogue port unless there is one.
-  virtual void connect(std::size_t sensor, const IpAddress& device) = 0;
-  virtual void send(std::size_t sensor, ByteView bytes) = 0;
-  /// The time at which it is called.
-  virtual Stamp now() const = 0;
-  /// Ends the connection; `again`: opens a new one.
-  virtual void disconnect(std::size_t sensor, bool again) = 0;
-  /// Why the sensor has no connection or cannot be reached, with the remedy; empty: no known fault.
-  virtual std::string trouble(std::size_t sensor) const = 0;
-  /// A possible reason for the silence of a sensor with a working connection; empty: unknown.
-  virtual std::string hint(std::size_t /*sensor*/) const { return {}; }
-};
-
-/// The context of the sensors of a pipeline: outputs, connections and time.
-struct SensorContext {
-  Router& router;
-  VehicleMotion& motion;
-  DeviceConnections* connections = nullptr;  ///< nullptr, as in replay: requests are dropped
-  Stamp now{};
-  Span messages_ahead{0};  ///< of the arrivals: the clock that stamps messages
-};
-
-/// One sensor: its driver, its connection, the reception of its data and the outputs of its frames.
+/// One sensor: its driver, its connection, the reception of its data and the routes of its frames.
 class Sensor final : public FrameReceiver {
  public:
   /// `index`: index in the configuration. `context` must outlive this.
-  Sensor(const SensorConfig& config, std::size_t index, SensorContext& context);
+  Sensor(const SensorConfig& config, std::size_t index, const PipelineContext& context);
 
   const SensorConfig& config() const { return config_; }
-  std::size_t index() const { return index_; }
   /// Sets another index in the configuration.
   void set_index(std::size_t index) { index_ = index; }
   const Counters& counters() const { return driver_ ? driver_->counters() : topic_counters_; }
@@ -73,6 +39,7 @@ class Sensor final : public FrameReceiver {
   /// Applies settings that may change at run time: those of Driver::change(), and the layout of the cloud.
   void change(const SensorConfig& wanted);
 
+  bool has_driver() const { return driver_ != nullptr; }
   /// True for telemetry from where the data of this sensor come from, which has no ip_address.
   bool sends_telemetry(const Packet& packet) const {
     return !config_.ip_address && packet.to.port == config_.telemetry_port &&
@@ -140,24 +107,18 @@ class Sensor final : public FrameReceiver {
   void fill_empty(PlanarScan& scan) const;
   /// Publishes a scan on the sensor's topic, with echoes and flags on further topics. The filter is applied
   /// after unfiltered consumers.
-  void publish_scan(const OutputTopic& topic, std::optional<FrameFilter>& filter, PlanarScan& scan);
+  void publish_scan(Route& topic, std::optional<FrameFilter>& filter, PlanarScan& scan);
   /// The scan to publish of `scan`: with `counter_clockwise` that has its beams in this order.
   PlanarScan& in_order(PlanarScan& scan);
-  /// Publishes the sensor's cloud.
-  void publish_cloud(Cloud& cloud, Stamp now);
-  /// Publishes the packets since the last call, if any.
-  void publish_raw();
-  /// Updates the vehicle's motion up to a frame.
-  void follow_motion(Stamp frame);
-  /// Feeds the outputs of this sensor's frames.
-  template <class Frame>
-  void feed(const Frame& frame);
+  /// Delivers a frame that was measured at `stamp` to what is made of it.
+  void deliver(const Frame& frame, Stamp stamp);
   /// Publishes a message of the device on its topics.
-  void publish_from_device(std::string_view name, const Payload& payload);
+  void publish_from_device(std::string_view name, const Frame& frame);
 
   SensorConfig config_;
   std::size_t index_;
-  SensorContext& context_;
+  const PipelineContext& context_;
+  Route& route_;                                     // of its frames as they are measured, without a topic
   std::unique_ptr<Driver> driver_;                   // nullptr: another driver publishes on config_.topic
   std::optional<FrameFilter> filter_, ring_filter_;  // of its frames, and of the ring that is a scan
   std::optional<bool> cloud_wanted_;                 // the last answer of wants_cloud()
@@ -165,13 +126,12 @@ class Sensor final : public FrameReceiver {
   std::optional<CloudPlacer> placer_;
   std::optional<RingScan> ring_scan_;
   PlanarScan ring_, reversed_;
-  RawPacketCollector raw_{config_};
-  const OutputTopic* topic_ = nullptr;                // of its frames; nullptr, as below: none
-  const OutputTopic* ring_topic_ = nullptr;           // of the ring that is a scan
-  const OutputTopic* raw_topic_ = nullptr;            // of its packets
-  std::vector<const OutputTopic*> more_scan_topics_;  // of its scans in other messages
-  std::vector<const OutputTopic*> device_topics_;     // of messages of the driver, by name
-  ConnectionPicker connection_;                       // in a capture
+  std::optional<RawPacketCollector> raw_;
+  Route* topic_ = nullptr;                                          // of its frames; nullptr, as below: none
+  Route* ring_topic_ = nullptr;                                     // of the ring that is a scan
+  std::vector<Route*> more_scan_topics_;                            // of its scans in other messages
+  std::vector<std::pair<std::string_view, Route*>> device_topics_;  // of messages of the driver, by name
+  ConnectionPicker connection_;                                     // in a capture
   ConnectionRequest request_ = ConnectionRequest::none;
   IpAddress sender_;       // of the last datagram
   IpAddress data_sender_;  // of the last one with data

@@ -9,21 +9,42 @@
 #include "core/frames/cloud.h"
 #include "core/frames/device_message.h"
 #include "core/frames/scan.h"
+#include "core/motion/frame_motion.h"
 #include "daemon/config/config.h"
 
 namespace lidard {
 
-/// What travels on a topic. Refers to what the caller holds.
-struct Payload : std::variant<const PlanarScan*, Cloud*, MergedCloud*, const DeviceMessage*,
-                              const std::vector<StaticTransform>*, const Stamp*> {
-  Payload(const PlanarScan& scan) : variant(&scan) {}
-  /// The receiver of a cloud may swap out its points_bytes.
-  Payload(Cloud& cloud) : variant(&cloud) {}
-  Payload(MergedCloud& cloud) : variant(&cloud) {}
-  Payload(const DeviceMessage& message) : variant(&message) {}
-  Payload(const std::vector<StaticTransform>& transforms) : variant(&transforms) {}
+/// What is delivered at once: a scan, a cloud, or another message of a topic. Refers to what the caller
+/// holds.
+struct Frame : std::variant<const PlanarScan*, Cloud*, MergedCloud*, const DeviceMessage*,
+                            const std::vector<StaticTransform>*, const Stamp*> {
+  Frame(const PlanarScan& scan) : variant(&scan) {}
+  /// The receiver of a cloud may swap out its points_bytes. Without points: nobody wanted them, the cloud is
+  /// only counted.
+  Frame(Cloud& cloud, bool with_points = true) : variant(&cloud), has_points(with_points) {}
+  /// `of`: the clouds that were merged, brought to its instant.
+  Frame(MergedCloud& cloud, const std::vector<PlacedCloud>& of, bool with_points = true)
+      : variant(&cloud), has_points(with_points), merged_of(&of) {}
+  Frame(MergedCloud& cloud) : variant(&cloud) {}
+  Frame(const DeviceMessage& message) : variant(&message) {}
+  Frame(const std::vector<StaticTransform>& transforms) : variant(&transforms) {}
   /// The time of a replay.
-  Payload(const Stamp& now) : variant(&now) {}
+  Frame(const Stamp& now) : variant(&now) {}
+
+  /// nullptr, as below: it is something else.
+  const PlanarScan* scan() const { return as<const PlanarScan>(); }
+  Cloud* cloud() const { return as<Cloud>(); }
+  MergedCloud* merged_cloud() const { return as<MergedCloud>(); }
+
+  bool has_points = true;
+  const std::vector<PlacedCloud>* merged_of = nullptr;
+
+ private:
+  template <class What>
+  What* as() const {
+    What* const* const found = std::get_if<What*>(this);
+    return found == nullptr ? nullptr : *found;
+  }
 };
 
 /// Gets what the pipeline finished: ROS, a bag, a file, a test. Called from the sensor thread; must not
@@ -36,7 +57,7 @@ class FrameSink {
   /// Called in place of publish() for a frame that was not made, since no sink wants it.
   virtual void skip(const OutputTopic& /*topic*/, Stamp /*released*/) {}
   /// `released`: arrival of the packet that completed the frame.
-  virtual void publish(const OutputTopic& topic, const Payload& payload, Stamp released) = 0;
+  virtual void publish(const OutputTopic& topic, const Frame& frame, Stamp released) = 0;
   virtual void transforms(const std::vector<StaticTransform>& /*transforms*/, Stamp /*released*/) {}
 };
 

@@ -13,13 +13,13 @@
 #include "core/frames/frame_filter.h"
 #include "core/merge/merger.h"
 #include "core/merge/scheduler.h"
+#include "core/motion/pose_gate.h"
 #include "core/mounts/mount_check.h"
 #include "daemon/config/config.h"
-#include "daemon/pipeline/pose_gate.h"
-#include "daemon/pipeline/reception.h"
-#include "daemon/pipeline/unknown_senders.h"
 #include "drivers/driver.h"
 #include "drivers/model.h"
+#include "drivers/reception.h"
+#include "drivers/unknown_senders.h"
 
 /// \file
 /// States and counters of a pipeline; daemon/health turns them into sentences.

@@ -14,13 +14,6 @@ constexpr double data_live_s = 1;
 
 }  // namespace
 
-VehicleMotion::VehicleMotion(const VehicleConfig& vehicle, TransformSource& transforms, FrameTree& frames)
-    : vehicle_(vehicle), transforms_(transforms), frames_(frames) {
-  configure();
-}
-
-void VehicleMotion::configure() { frames_.set_track(vehicle_.has_motion() ? &track_ : nullptr); }
-
 void VehicleMotion::poll(Stamp now) {
   // Packets are much more frequent than poses.
   constexpr Span between_polls = std::chrono::milliseconds(5);
@@ -33,7 +26,8 @@ void VehicleMotion::poll(Stamp now) {
   note_poses(now);
 }
 
-std::optional<Pose> VehicleMotion::place(const std::string& parent, const std::string& child, Stamp stamp) {
+std::optional<Pose> VehicleMotion::find_pose(const std::string& parent, const std::string& child,
+                                             Stamp stamp) {
   Pose pose = Pose::Identity();
   if (parent.empty() || child.empty() || frames_.find(parent, child, stamp, pose, why_refused_)) {
     why_refused_.clear();
@@ -44,7 +38,7 @@ std::optional<Pose> VehicleMotion::place(const std::string& parent, const std::s
 }
 
 void VehicleMotion::add_pose(Stamp stamp, const Pose& pose, const std::string& child, Stamp now) {
-  if (const auto child_from_base = place(child, vehicle_.base_frame, stamp))
+  if (const auto child_from_base = find_pose(child, vehicle_.base_frame, stamp))
     track_.add(stamp, pose * *child_from_base);
   note_poses(now);
 }
@@ -62,7 +56,7 @@ void VehicleMotion::add_turn(Stamp stamp, const Eigen::Vector3d& rates, const st
     ++without_speed_;
     return;
   }
-  if (const auto base_from_imu = place(vehicle_.base_frame, frame, stamp))
+  if (const auto base_from_imu = find_pose(vehicle_.base_frame, frame, stamp))
     reckoning_.turn(stamp, base_from_imu->linear() * rates, track_);
   note_poses(now);
 }

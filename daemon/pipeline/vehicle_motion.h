@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "core/base/topic_clock.h"
 #include "core/motion/pose_track.h"
 #include "daemon/config/config.h"
 #include "daemon/pipeline/frame_tree.h"
 #include "daemon/pipeline/status.h"
-#include "daemon/pipeline/topic_clock.h"
 
 namespace lidard {
 
@@ -19,13 +19,15 @@ namespace lidard {
 /// clock in simulation and replay.
 class VehicleMotion {
  public:
-  /// The arguments must outlive this; `frames` gets the track.
-  VehicleMotion(const VehicleConfig& vehicle, TransformSource& transforms, FrameTree& frames);
-  /// Call after `vehicle` or the frames have changed.
-  void configure();
+  /// The arguments must outlive this.
+  VehicleMotion(const VehicleConfig& vehicle, TransformSource& transforms, const FrameTree& frames)
+      : vehicle_(vehicle), transforms_(transforms), frames_(frames) {}
+
+  /// The poses of the vehicle; nullptr: there is no source of motion.
+  const PoseTrack* track() const { return vehicle_.has_motion() ? &track_ : nullptr; }
 
   /// The stamp of a message, or what replaces it; `arrival`: by the clock that stamps messages.
-  Stamp placed(Stamp stamp, Stamp arrival) { return topic_clock_.place(stamp, Span(0), arrival); }
+  Stamp stamp_of(Stamp stamp, Stamp arrival) { return topic_clock_.correct(stamp, Span(0), arrival); }
   /// Adds new poses from tf.
   void poll(Stamp now);
   /// Adds a pose of `child` (empty: base_frame) in the odometry's frame.
@@ -43,8 +45,6 @@ class VehicleMotion {
     why_refused_.clear();
     lacks_speed_ = false;
   }
-  const FrameTree& frames() const { return frames_; }
-  const std::string& base_frame() const { return vehicle_.base_frame; }
   /// None: there is no source of motion.
   std::optional<MotionStatus> status(Stamp now) const;
 
@@ -54,12 +54,12 @@ class VehicleMotion {
     Stamp arrival;
   };
   /// The pose of a frame on the vehicle; counts failures.
-  std::optional<Pose> place(const std::string& parent, const std::string& child, Stamp stamp);
+  std::optional<Pose> find_pose(const std::string& parent, const std::string& child, Stamp stamp);
   void note_poses(Stamp now);
 
   const VehicleConfig& vehicle_;
   TransformSource& transforms_;
-  FrameTree& frames_;
+  const FrameTree& frames_;
   TopicClock topic_clock_{std::chrono::seconds(1)};  // poses may be predicted
   PoseTrack track_;
   DeadReckoning reckoning_;
@@ -68,7 +68,7 @@ class VehicleMotion {
   std::optional<Stamp> speed_at_;  // arrival of the newest speed
   double speed_lives_s_ = 0;       // three periods of it
   std::optional<Newest> data_, pose_;
-  std::uint64_t refused_ = 0;        // poses of frames with unknown place on the vehicle
+  std::uint64_t refused_ = 0;        // poses of frames whose pose on the vehicle is unknown
   std::uint64_t without_speed_ = 0;  // turn rates
   std::string why_refused_;
   bool lacks_speed_ = false;  // the newest turn rate came without a speed

@@ -74,17 +74,17 @@ bool ReplayReader::wants(const OutputTopic& topic) const {
   return topics_.empty() || topics_.count(topic.name) > 0;
 }
 
-void ReplayReader::publish(const OutputTopic& topic, const Payload& payload, Stamp /*released*/) {
+void ReplayReader::publish(const OutputTopic& topic, const lidard::Frame& frame, Stamp /*released*/) {
   if (!wants(topic)) return;
   const auto known = sensor_of_.find(topic.name);
   const std::string& sensor = known == sensor_of_.end() ? std::string() : known->second;
-  if (const auto* scan = std::get_if<const PlanarScan*>(&payload)) {
-    add(sensor, **scan, topic.name);
-  } else if (const auto* cloud = std::get_if<Cloud*>(&payload)) {
-    std::vector<CloudColumn> columns = (*cloud)->columns;
-    add(sensor, **cloud, columns, topic.name);
-  } else if (const auto* merged = std::get_if<MergedCloud*>(&payload)) {
-    add(**merged, topic.name);
+  if (const PlanarScan* const scan = frame.scan()) {
+    add(sensor, *scan, topic.name);
+  } else if (Cloud* const cloud = frame.cloud()) {
+    std::vector<CloudColumn> columns = cloud->columns;
+    add(sensor, *cloud, columns, topic.name);
+  } else if (MergedCloud* const merged = frame.merged_cloud()) {
+    add(*merged, topic.name);
   }
 }
 

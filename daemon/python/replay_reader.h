@@ -6,7 +6,7 @@
 #include <set>
 
 #include "daemon/offline/player.h"
-#include "daemon/pipeline/recorded_motion.h"
+#include "daemon/offline/recorded_motion.h"
 #include "daemon/python/frame_source.h"
 
 namespace lidard::python {
@@ -20,7 +20,7 @@ class ReplayReader final : public FrameSource, public FrameSink {
                std::set<std::string> topics);
 
   bool wants(const OutputTopic& topic) const override;
-  void publish(const OutputTopic& topic, const Payload& payload, Stamp released) override;
+  void publish(const OutputTopic& topic, const lidard::Frame& frame, Stamp released) override;
 
  private:
   bool advance() override;

@@ -67,14 +67,14 @@ std::string without_folders(std::string text, const std::string& temporary = "")
 /// Sums up what a pipeline publishes, and the state in its diagnostics, not their values.
 class SummedSink final : public DiagnosticSink {
  public:
-  void publish(const OutputTopic& topic, const Payload& payload, Stamp released) override {
+  void publish(const OutputTopic& topic, const Frame& frame, Stamp released) override {
     note(topic, released);
-    if (const auto* scan = std::get_if<const PlanarScan*>(&payload))
-      sums.scan(topic.name, **scan);
-    else if (const auto* cloud = std::get_if<Cloud*>(&payload))
-      sums.cloud(topic.name, **cloud);
+    if (const PlanarScan* const scan = frame.scan())
+      sums.scan(topic.name, *scan);
+    else if (const Cloud* const cloud = frame.cloud())
+      sums.cloud(topic.name, *cloud);
     else
-      sums.message(topic.name, *std::get<const DeviceMessage*>(payload));
+      sums.message(topic.name, *std::get<const DeviceMessage*>(frame));
   }
   void diagnostics(const std::vector<DiagnosticItem>& items, Stamp released) override {
     sums.add_exact("diagnostics", released.ns);

@@ -280,7 +280,7 @@ TruthfulClaims truthful_claims(const MergeScene& scene, const MergeCase& set_up)
     rays.build(scene.scans[s], scene.scanners[s].pose(), scene.body, {});
     visibility.set_source(s, rays);
     measure(scene.scans[s], rays, source, sweeps[s]);
-    place(rays, scene.motions[s], source.noise, sweeps[s]);
+    transform(rays, scene.motions[s], source.noise, sweeps[s]);
     newest.push_back(&sweeps[s]);
   }
   visibility.compute(newest);

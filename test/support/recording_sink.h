@@ -27,17 +27,17 @@ class RecordingSink final : public DiagnosticSink {
   /// `keep_frames` false: scans and clouds are counted and not kept, for long streams.
   explicit RecordingSink(bool keep_frames = true) : keep_frames_(keep_frames) {}
 
-  void publish(const OutputTopic& topic, const Payload& payload, Stamp at) override {
+  void publish(const OutputTopic& topic, const Frame& frame, Stamp at) override {
     note(topic.name, at);
-    if (const auto* scan = std::get_if<const PlanarScan*>(&payload)) {
-      EXPECT_EQ(violation(**scan), nullptr) << topic.name;
-      if (keep_frames_) scans[topic.name].push_back(**scan);
-    } else if (const auto* cloud = std::get_if<Cloud*>(&payload)) {
-      if (keep_frames_) clouds[topic.name].push_back(**cloud);
-    } else if (const auto* merged = std::get_if<MergedCloud*>(&payload)) {
-      if (keep_frames_) merged_clouds[topic.name].push_back(**merged);
+    if (const PlanarScan* const scan = frame.scan()) {
+      EXPECT_EQ(violation(*scan), nullptr) << topic.name;
+      if (keep_frames_) scans[topic.name].push_back(*scan);
+    } else if (const Cloud* const cloud = frame.cloud()) {
+      if (keep_frames_) clouds[topic.name].push_back(*cloud);
+    } else if (const MergedCloud* const merged = frame.merged_cloud()) {
+      if (keep_frames_) merged_clouds[topic.name].push_back(*merged);
     } else {
-      messages[topic.name].push_back(*std::get<const DeviceMessage*>(payload));
+      messages[topic.name].push_back(*std::get<const DeviceMessage*>(frame));
     }
   }
   /// The messages of one type that came on a topic.

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "daemon/pipeline/pipeline.h"
+#include "daemon/offline/player.h"
 #include "daemon/ros/in/inputs.h"
 #include "daemon/ros/messages/bags_module.h"
 

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "daemon/pipeline/recorded_motion.h"
+#include "daemon/offline/recorded_motion.h"
 #include "daemon/ros/in/component.h"
 
 namespace lidard {

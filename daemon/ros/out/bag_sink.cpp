@@ -55,10 +55,10 @@ BagSink::~BagSink() {
   }
 }
 
-void BagSink::publish(const OutputTopic& topic, const Payload& payload, Stamp released) {
+void BagSink::publish(const OutputTopic& topic, const Frame& frame, Stamp released) {
   auto& maker = makers_[topic.name];
   if (maker == nullptr) maker = row_of(topic).maker();
-  write(topic.name, released, maker->make(payload, released, clock_));
+  write(topic.name, released, maker->make(frame, released, clock_));
 }
 
 void BagSink::transforms(const std::vector<StaticTransform>& transforms, Stamp released) {

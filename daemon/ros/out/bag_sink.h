@@ -29,7 +29,7 @@ class BagSink : public DiagnosticSink {
   explicit BagSink(const std::string& path);
   ~BagSink() override;
 
-  void publish(const OutputTopic& topic, const Payload& payload, Stamp released) override;
+  void publish(const OutputTopic& topic, const Frame& frame, Stamp released) override;
   void transforms(const std::vector<StaticTransform>& transforms, Stamp released) override;
   void diagnostics(const std::vector<DiagnosticItem>& items, Stamp released) override;
   /// The outline of the vehicle, if it has one.

@@ -19,29 +19,29 @@
 namespace lidard {
 namespace {
 
-template <class Frame>
-constexpr bool is_device_message = std::is_constructible_v<DeviceMessage, Frame>;
+template <class Content>
+constexpr bool is_device_message = std::is_constructible_v<DeviceMessage, Content>;
 
-template <class Frame>
-auto& frame_in(const Payload& payload) {
-  if constexpr (is_device_message<Frame>)
-    return std::get<Frame>(*std::get<const DeviceMessage*>(payload));
+template <class Content>
+auto& content_in(const Frame& frame) {
+  if constexpr (is_device_message<Content>)
+    return std::get<Content>(*std::get<const DeviceMessage*>(frame));
   else
-    return *std::get<const Frame*>(payload);
+    return *std::get<const Content*>(frame);
 }
 
-template <class Frame, class Message>
+template <class Content, class Message>
 class MakerOf final : public MessageMaker {
  public:
   const MessageType& type() const override { return type_of<Message>(); }
-  RawMessage make(const Payload& payload, Stamp released, const ClockStep& clock) override {
-    auto& frame = frame_in<Frame>(payload);
-    if constexpr (std::is_same_v<Frame, std::vector<StaticTransform>>)
-      to_ros(frame, clock.host(released), message_);
-    else if constexpr (std::is_same_v<Frame, Stamp>)
-      message_.clock = to_ros(clock.host(frame));
+  RawMessage make(const Frame& frame, Stamp released, const ClockStep& clock) override {
+    auto& content = content_in<Content>(frame);
+    if constexpr (std::is_same_v<Content, std::vector<StaticTransform>>)
+      to_ros(content, clock.host(released), message_);
+    else if constexpr (std::is_same_v<Content, Stamp>)
+      message_.clock = to_ros(clock.host(content));
     else
-      to_ros(frame, clock.host(frame.stamp), message_);
+      to_ros(content, clock.host(content.stamp), message_);
     return raw(message_);
   }
 
@@ -54,8 +54,8 @@ template <class AnyCloud>
 class MakerOf<AnyCloud, sensor_msgs::PointCloud2> final : public MessageMaker {
  public:
   const MessageType& type() const override { return type_of<sensor_msgs::PointCloud2>(); }
-  RawMessage make(const Payload& payload, Stamp /*released*/, const ClockStep& clock) override {
-    AnyCloud& cloud = *std::get<AnyCloud*>(payload);
+  RawMessage make(const Frame& frame, Stamp /*released*/, const ClockStep& clock) override {
+    AnyCloud& cloud = *std::get<AnyCloud*>(frame);
     to_ros(cloud, clock.host(cloud.stamp), message_);
     message_.data.clear();
     const RawMessage without_data = raw(message_);
@@ -105,16 +105,16 @@ class MakerOf<AnyCloud, sensor_msgs::PointCloud2> final : public MessageMaker {
   std::vector<std::shared_ptr<PointBytes>> buffers_;  // of messages that are on their way, and free ones
 };
 
-template <class Frame, class Message>
+template <class Content, class Message>
 std::unique_ptr<MessageMaker> make_maker() {
-  return std::make_unique<MakerOf<Frame, Message>>();
+  return std::make_unique<MakerOf<Content, Message>>();
 }
 
-template <class Frame, class Message>
+template <class Content, class Message>
 constexpr MessageRow row(TopicKind kind, std::size_t queue_depth) {
   std::size_t message = 0;
-  if constexpr (is_device_message<Frame>) message = message_kind<Frame>();
-  return {kind, message, queue_depth, make_maker<Frame, Message>};
+  if constexpr (is_device_message<Content>) message = message_kind<Content>();
+  return {kind, message, queue_depth, make_maker<Content, Message>};
 }
 
 constexpr MessageRow rows[]{row<PlanarScan, sensor_msgs::LaserScan>(TopicKind::scan, 100),

@@ -16,15 +16,15 @@ class MessageMaker {
  public:
   virtual ~MessageMaker() = default;
   virtual const MessageType& type() const = 0;
-  /// `payload` must be of the topic's type. The message holds the points of a cloud where they are, and the
+  /// `frame` must be of the topic's type. The message holds the points of a cloud where they are, and the
   /// cloud gets other memory.
-  virtual RawMessage make(const Payload& payload, Stamp released, const ClockStep& clock) = 0;
+  virtual RawMessage make(const Frame& frame, Stamp released, const ClockStep& clock) = 0;
 };
 
 /// Publication of a kind of topic.
 struct MessageRow {
   TopicKind kind;
-  std::size_t message;  ///< of TopicKind::message: message_kind() of the payload
+  std::size_t message;  ///< of TopicKind::message: message_kind() of the frame
   /// Frames that may wait for publication. A stalled thread publishes late: the planar scans of a second (no
   /// scanner turns faster than 100 Hz), and the inertial samples of a quarter of one. Clouds are large and
   /// soon outdated.

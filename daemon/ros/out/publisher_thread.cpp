@@ -46,7 +46,7 @@ Kept& kept_in(Content& content) {
 
 /// Copies a frame, but swaps the points of a cloud.
 template <class Content>
-void keep(const Payload& payload, Content& content) {
+void keep(const Frame& frame, Content& content) {
   const auto keep_one = [&](auto* given) {
     using Kept = std::remove_const_t<std::remove_pointer_t<decltype(given)>>;
     Kept& kept = kept_in<Kept>(content);
@@ -59,7 +59,7 @@ void keep(const Payload& payload, Content& content) {
       kept = *given;
     }
   };
-  std::visit(keep_one, payload);
+  std::visit(keep_one, frame);
 }
 
 }  // namespace
@@ -72,7 +72,7 @@ PublisherThread::PublishedTopic::PublishedTopic(std::string name, std::unique_pt
       depth(may_wait),
       queue_size(std::max(least_queue, may_wait)),
       frames(may_wait + 1) {
-  for (Frame& frame : frames) {
+  for (Queued& frame : frames) {
     frame.output = this;
     free.push_back(&frame);
   }
@@ -96,12 +96,12 @@ ros::Publisher PublisherThread::PublishedTopic::make() const {
                         [flag = has_subscribers](const ros::SingleSubscriberPublisher&) { *flag = true; });
 }
 
-void PublisherThread::PublishedTopic::send(const Payload& payload, Stamp released, const ClockStep& clock) {
+void PublisherThread::PublishedTopic::send(const Frame& frame, Stamp released, const ClockStep& clock) {
   if (latched) return publisher.publish(*latest);
   if (publisher.getNumSubscribers() == 0) return;
   // ros::Publisher::publish() does just this, but makes the message while roscpp holds the lock of all topics
   // (a cloud would hold up the scans), and hides the buffer, which shows when all sockets have it.
-  ros::SerializedMessage serialized = maker->make(payload, released, clock).data;
+  ros::SerializedMessage serialized = maker->make(frame, released, clock).data;
   ros::TopicManager::instance()->publish(
       publisher.getTopic(), [&] { return serialized; }, serialized);
   // Frees the memory of sent messages: a cloud has 10 MB.
@@ -187,7 +187,7 @@ bool PublisherThread::must_drop(const PublishedTopic& output, Stamp released) co
                      (waiting >= least_depth && released - output.waiting.front()->released > longest_wait));
 }
 
-void PublisherThread::push(PublishedTopic& output, const Payload& payload, Stamp released) {
+void PublisherThread::push(PublishedTopic& output, const Frame& frame, Stamp released) {
   std::unique_lock lock(mutex_);
   if (block_) emptied_.wait(lock, [&] { return stopping_ || output.waiting.size() < output.depth; });
   if (stopping_) return;
@@ -196,13 +196,13 @@ void PublisherThread::push(PublishedTopic& output, const Payload& payload, Stamp
     output.waiting.pop_front();
     ++output.dropped, ++dropped_;
   }
-  Frame* const frame = output.free.back();
+  Queued* const queued = output.free.back();
   output.free.pop_back();
-  frame->number = ++pushed_;
-  frame->released = released;
+  queued->number = ++pushed_;
+  queued->released = released;
   output.watch.released(released);
-  keep(payload, frame->content);
-  output.waiting.push_back(frame);
+  keep(frame, queued->content);
+  output.waiting.push_back(queued);
   lock.unlock();
   filled_.notify_one();
 }
@@ -214,7 +214,7 @@ void PublisherThread::skip(PublishedTopic& output, Stamp released) {
 }
 
 /// The oldest frame; nullptr if none came for a while, or after stop().
-PublisherThread::Frame* PublisherThread::pop() {
+PublisherThread::Queued* PublisherThread::pop() {
   std::unique_lock lock(mutex_);
   PublishedTopic* oldest = nullptr;
   filled_.wait_for(lock, between_counts, [&] {
@@ -225,14 +225,14 @@ PublisherThread::Frame* PublisherThread::pop() {
     return stopping_ || oldest != nullptr;
   });
   if (stopping_ || oldest == nullptr) return nullptr;
-  Frame* const frame = oldest->waiting.front();
+  Queued* const frame = oldest->waiting.front();
   oldest->waiting.pop_front();
   lock.unlock();
   emptied_.notify_all();
   return frame;
 }
 
-void PublisherThread::give_back(Frame& frame, bool is_published) {
+void PublisherThread::give_back(Queued& frame, bool is_published) {
   const Span latency = clock_step_->steady(wall_clock()) - frame.released;
   const std::lock_guard lock(mutex_);
   if (is_published) frame.output->watch.published(latency);
@@ -272,7 +272,7 @@ void PublisherThread::advertise() {
       replace_publisher(*output, {});
       // The memory of clouds.
       const std::lock_guard lock(mutex_);
-      for (Frame* const frame : output->free) frame->content = {};
+      for (Queued* const frame : output->free) frame->content = {};
     }
   }
   ready_ = true;
@@ -342,7 +342,7 @@ void PublisherThread::run() {
   auto counted = Clock::now();
   while (!stopping_) {
     watch_.tick(ThreadWatch::publishing);
-    Frame* const frame = pop();
+    Queued* const frame = pop();
     if (const auto now = Clock::now(); now - counted >= between_counts) {
       count_subscribers();
       counted = now;
@@ -356,12 +356,12 @@ void PublisherThread::run() {
 }
 
 /// Converts and publishes; false if nothing is advertised.
-bool PublisherThread::send(Frame& frame) {
+bool PublisherThread::send(Queued& frame) {
   PublishedTopic& output = *frame.output;
   const std::lock_guard lock(send_mutex_);
-  if (output.latched) output.latest = output.maker->make(frame.payload(), frame.released, *clock_step_);
+  if (output.latched) output.latest = output.maker->make(frame.frame(), frame.released, *clock_step_);
   if (!ready_ || !ros::ok() || !output.publisher) return false;
-  output.send(frame.payload(), frame.released, *clock_step_);
+  output.send(frame.frame(), frame.released, *clock_step_);
   return true;
 }
 

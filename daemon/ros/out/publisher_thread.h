@@ -51,8 +51,8 @@ class PublisherThread {
     /// from another sink, keeps its queue, its figures and its subscribers.
     void set_topics(const std::vector<OutputTopic>& topics);
     /// Swaps the points_bytes of a cloud with a recycled buffer.
-    void publish(const OutputTopic& topic, const Payload& payload, Stamp released) override {
-      publisher_.push(output_of(topic), payload, released);
+    void publish(const OutputTopic& topic, const Frame& frame, Stamp released) override {
+      publisher_.push(output_of(topic), frame, released);
     }
     bool wants(const OutputTopic& topic) const override { return publisher_.wants(output_of(topic)); }
     void skip(const OutputTopic& topic, Stamp released) override {
@@ -112,21 +112,21 @@ class PublisherThread {
 
  private:
   /// A frame that waits for the thread; a Stamp is the time of a replay.
-  struct Frame {
+  struct Queued {
     PublishedTopic* output = nullptr;
     std::uint64_t number = 0;
     Stamp released{};
     std::variant<PlanarScan, Cloud, MergedCloud, DeviceMessage, std::vector<StaticTransform>, Stamp>
         content{};
-    Payload payload() {
-      return std::visit([](auto& held) { return Payload(held); }, content);
+    Frame frame() {
+      return std::visit([](auto& held) { return Frame(held); }, content);
     }
   };
   struct PublishedTopic {
     PublishedTopic(std::string name, std::unique_ptr<MessageMaker> makes, std::size_t depth);
 
     ros::Publisher make() const;
-    void send(const Payload& payload, Stamp released, const ClockStep& clock);
+    void send(const Frame& frame, Stamp released, const ClockStep& clock);
     std::size_t in_flight();
     bool loses() const;
 
@@ -145,9 +145,9 @@ class PublisherThread {
     bool is_stuck =
         false;  // of the publishing thread: a subscriber reads nothing, a replay goes on without it
     // Guarded by mutex_:
-    std::vector<Frame> frames;
-    std::deque<Frame*> waiting;
-    std::vector<Frame*> free;
+    std::vector<Queued> frames;
+    std::deque<Queued*> waiting;
+    std::vector<Queued*> free;
     std::uint64_t dropped = 0;
     TopicWatch watch;
     // Guarded by send_mutex_:
@@ -163,14 +163,14 @@ class PublisherThread {
   std::vector<PublishedTopic*> outputs();
   bool wants(const PublishedTopic& output) const { return block_ || *output.has_subscribers; }
   bool must_drop(const PublishedTopic& output, Stamp released) const;
-  void push(PublishedTopic& output, const Payload& payload, Stamp released);
+  void push(PublishedTopic& output, const Frame& frame, Stamp released);
   void skip(PublishedTopic& output, Stamp released);
-  Frame* pop();
-  void give_back(Frame& frame, bool is_published);
+  Queued* pop();
+  void give_back(Queued& frame, bool is_published);
   TopicFigures figures_of(const PublishedTopic& output, Stamp now);
   void replace_publisher(PublishedTopic& output, ros::Publisher next, bool leave = false);
   void run();
-  bool send(Frame& frame);
+  bool send(Queued& frame);
   void wait_for_subscribers_of(PublishedTopic& output);
   void count_subscribers();
 

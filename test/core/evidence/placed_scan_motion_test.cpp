@@ -98,7 +98,7 @@ struct DrivenSweep {
       EXPECT_NE(motion.follow(drive.moment(), times_of(scan)), PoseOrigin::missing);
     }
     measure(scan, rays, settings, placed);
-    place(rays, motion, settings.noise, placed);
+    transform(rays, motion, settings.noise, placed);
   }
   Eigen::Vector3d ray(std::size_t beam) const {
     const auto angle = static_cast<double>(scan.angle_min) +
@@ -240,7 +240,7 @@ TEST(PlacedScanMotion, EarlyReturnsMoveWithTheirBeam) {
   motion.follow(drive.moment(), times_of(scan));
   PlacedScan sweep;
   measure(scan, rays, settings, sweep);
-  place(rays, motion, settings.noise, sweep);
+  transform(rays, motion, settings.noise, sweep);
   ASSERT_EQ(sweep.early_echoes.size(), 100U);
   for (std::size_t i = 0; i < 100; ++i) {
     const double angle = -1 + 0.02 * static_cast<double>(i);

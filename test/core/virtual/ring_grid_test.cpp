@@ -70,7 +70,7 @@ TEST(RingGrid, EveryReturnHasItsPlaceWhereverTheTurnBeginsAndTheLasersPoint) {
       EXPECT_NEAR(grid.range[at], norm(grid.ends[at]), 1e-5);
       EXPECT_EQ(at % grid.rings(), cloud.points()[i].ring);
     }
-    EXPECT_EQ(grid.misplaced, 0U);
+    EXPECT_EQ(grid.outside, 0U);
     EXPECT_EQ(grid.own_returns, 0U);
   }
 }
@@ -254,7 +254,7 @@ TEST(RingGrid, WhatIsMoreThanATurnHasNoPlace) {
   RingGrid grid({});
   ASSERT_TRUE(grid.organise(cloud));
   EXPECT_EQ(grid.columns(), 360U);
-  EXPECT_EQ(grid.misplaced, 20U);
+  EXPECT_EQ(grid.outside, 20U);
   expect_straight(grid);
   lidar.fired = 440;
   const Cloud far_more = lidar.cloud();
@@ -279,7 +279,7 @@ TEST(RingGrid, AJitteringMotorLosesNoColumn) {
   RingGrid grid({});
   ASSERT_TRUE(grid.organise(cloud));
   EXPECT_EQ(count(grid, Beam::point), cloud.size());
-  EXPECT_EQ(grid.misplaced, 0U);
+  EXPECT_EQ(grid.outside, 0U);
 }
 
 /// A vehicle that drives an arc while a cloud is measured.

@@ -40,7 +40,7 @@ TEST(RingPoints, ReturnsInAnyOrderFindAColumnThoughEveryRingHasItsOwnPhase) {
     EXPECT_EQ(grid.columns(), 360U);
     EXPECT_NEAR(grid.step(), lidar.step(), 1e-6);
     EXPECT_EQ(points_in(grid), cloud.size()) << seed << ": each has a place of its own";
-    EXPECT_EQ(grid.misplaced, 0U);
+    EXPECT_EQ(grid.outside, 0U);
     for (std::size_t i = 0; i < grid.kind.size(); ++i) {
       ASSERT_NEAR(elevation_of(grid.ends[i]), lidar.elevations[i % grid.rings()], 1e-4);
       const std::size_t next = grid.index(grid.after(i / grid.rings()), i % grid.rings());
@@ -87,7 +87,7 @@ TEST(RingPoints, APointWhoseRingThereIsNotIsCountedAndLeftOut) {
   for (std::size_t i = 0; i < 30; ++i) cloud.points()[i].ring = 77;
   RingGrid grid({});
   ASSERT_TRUE(grid.organise(cloud));
-  EXPECT_EQ(grid.misplaced, 30U);
+  EXPECT_EQ(grid.outside, 30U);
   EXPECT_GE(points_in(grid), cloud.size() - 30) << "gaps of single beams are bridged";
 }
 

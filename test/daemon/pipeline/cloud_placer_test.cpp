@@ -205,9 +205,15 @@ TEST(CloudPlacer, NothingIsAllocatedPerCloudAfterWarmUp) {
   TrueWay way(ms(0));
   FrameTree frames(config, way);
   VehicleMotion motion(config.vehicle, way, frames);
-  const CloudArranger arranger{CloudLayout()};
-  std::size_t published = 0;
-  CloudPlacer placer(config.sensors[0], arranger, motion, [&](Cloud&, Stamp) { ++published; });
+  CloudArranger arranger{CloudLayout()};
+  struct Counting final : FrameSink {
+    void publish(const OutputTopic&, const Frame&, Stamp) override { ++published; }
+    std::size_t published = 0;
+  } sink;
+  Router router(sink);
+  router.configure(config);
+  const PipelineContext context{config.vehicle, frames, motion, router};
+  CloudPlacer placer(config.sensors[0], arranger, context, router.topic("roof/points"));
   // The same cloud at the time of another one, since poses come in but once.
   Cloud cloud = raw.clouds().at(3);
   std::uint64_t before = 0;
@@ -221,7 +227,7 @@ TEST(CloudPlacer, NothingIsAllocatedPerCloudAfterWarmUp) {
     placer.add(cloud, way.now);
   }
   EXPECT_EQ(test::allocations() - before, 0U);
-  EXPECT_EQ(published, 10U);
+  EXPECT_EQ(sink.published, 10U);
   EXPECT_EQ(pose_losses(placer.gate(), ""), "");
 }
 

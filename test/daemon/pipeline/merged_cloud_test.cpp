@@ -154,8 +154,8 @@ TEST(MergedCloud, IsKeptOrMadeAnewByAChangedConfiguration) {
 class Subscribers final : public FrameSink {
  public:
   bool wants(const OutputTopic&) const override { return there; }
-  void publish(const OutputTopic& topic, const Payload& payload, Stamp) override {
-    if (topic.name == "around") sizes.push_back(std::get<MergedCloud*>(payload)->size());
+  void publish(const OutputTopic& topic, const Frame& frame, Stamp) override {
+    if (topic.name == "around") sizes.push_back(frame.merged_cloud()->size());
   }
   void skip(const OutputTopic& topic, Stamp) override { skipped += topic.name == "around" ? 1 : 0; }
   bool there = false;
@@ -239,8 +239,8 @@ TEST(MergedCloud, IsNotBuiltWhileNobodyWantsItAndIsWholeFromTheFirstSubscriberOn
 TEST(MergedCloud, IsBuiltForTheVirtualScansThatAreMadeOfIt) {
   struct Scans final : FrameSink {
     bool wants(const OutputTopic&) const override { return false; }
-    void publish(const OutputTopic& topic, const Payload& payload, Stamp) override {
-      if (topic.name == "chest") stamps.push_back(std::get<const PlanarScan*>(payload)->stamp);
+    void publish(const OutputTopic& topic, const Frame& frame, Stamp) override {
+      if (topic.name == "chest") stamps.push_back(frame.scan()->stamp);
     }
     std::vector<Stamp> stamps;
   } sink;

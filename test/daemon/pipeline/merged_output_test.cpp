@@ -8,7 +8,7 @@
 #include <cmath>
 #include <random>
 
-#include "daemon/pipeline/merge_sources.h"
+#include "daemon/pipeline/merging_maker.h"
 #include "test/daemon/pipeline/merged_output_bench.h"
 
 namespace lidard {

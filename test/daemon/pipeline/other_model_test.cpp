@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What /diagnostics says where another model's packets come than the configured one's, and of unknown
 // senders.
-#include "daemon/pipeline/other_model.h"
+#include "drivers/registry/other_model.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/pipeline/reception.h"
+#include "drivers/reception.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
 // Sources whose messages are stamped by a clock that is not this host's.
-#include "daemon/pipeline/topic_clock.h"
+#include "core/base/topic_clock.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -80,7 +80,7 @@ TEST(TopicClock, KeepsTheIntervalsOfTheOtherClock) {
   Stamp last{};
   for (int i = 0; i < 200; ++i) {
     const Stamp measured = bench_begin + ms(50 * i);
-    const Stamp is = clock.place(measured + hour, ms(40), measured + ms(42 + i * 7 % 9));
+    const Stamp is = clock.correct(measured + hour, ms(40), measured + ms(42 + i * 7 % 9));
     EXPECT_LE(is, measured + ms(42 + i * 7 % 9) - ms(40));
     if (i > 9) {
       EXPECT_NEAR(seconds(is - last), 0.05, 0.0005) << i;
@@ -94,7 +94,7 @@ TEST(TopicClock, StampsThatAreMissingOrStandStillBecomeTheArrival) {
   for (const Stamp stamp : {Stamp{}, bench_begin - hour, bench_begin + hour}) {
     TopicClock clock;
     for (int i = 1; i < 50; ++i)
-      EXPECT_EQ(clock.place(stamp, ms(10), bench_begin + ms(100 * i)), bench_begin + ms(100 * i - 10));
+      EXPECT_EQ(clock.correct(stamp, ms(10), bench_begin + ms(100 * i)), bench_begin + ms(100 * i - 10));
     EXPECT_EQ(clock.replaced(), 49U);
     EXPECT_NE(clock.ahead(), std::nullopt);
   }
@@ -119,7 +119,7 @@ TEST(TopicClock, AClockThatIsSetWhileItRunsIsFollowedAndTheWarningEndsWithTheFau
 TEST(TopicClock, AFewStampsOfAnotherClockAreCountedAndNoWarning) {
   TopicClock clock;
   for (int i = 0; i < 100; ++i)
-    clock.place(bench_begin + ms(i) + (i % 50 == 10 ? hour : Span(0)), Span(0), bench_begin + ms(i));
+    clock.correct(bench_begin + ms(i) + (i % 50 == 10 ? hour : Span(0)), Span(0), bench_begin + ms(i));
   EXPECT_EQ(clock.replaced(), 2U);
   EXPECT_EQ(clock.ahead(), std::nullopt);
 }
@@ -128,8 +128,8 @@ TEST(TopicClock, AClockThatIsAheadByMillisecondsMakesNoStampBeyondTheArrival) {
   TopicClock clock;
   for (int i = 0; i < 100; ++i) {
     const Stamp arrival = bench_begin + ms(100 * i);
-    EXPECT_EQ(clock.place(arrival - ms(40) + ms(i % 20), ms(40), arrival), arrival - ms(40));
-    EXPECT_EQ(clock.place(arrival - ms(40 + i % 20), ms(40), arrival), arrival - ms(40 + i % 20));
+    EXPECT_EQ(clock.correct(arrival - ms(40) + ms(i % 20), ms(40), arrival), arrival - ms(40));
+    EXPECT_EQ(clock.correct(arrival - ms(40 + i % 20), ms(40), arrival), arrival - ms(40 + i % 20));
   }
   EXPECT_EQ(clock.ahead(), std::nullopt);
 }

@@ -17,9 +17,9 @@ using sim::SimulatedPacket;
 class Subscribers final : public FrameSink {
  public:
   bool wants(const OutputTopic&) const override { return there; }
-  void publish(const OutputTopic& topic, const Payload& payload, Stamp) override {
-    if (Cloud* const* const cloud = std::get_if<Cloud*>(&payload)) clouds.push_back(**cloud);
-    if (const auto* scan = std::get_if<const PlanarScan*>(&payload)) scans[topic.name].push_back(**scan);
+  void publish(const OutputTopic& topic, const Frame& frame, Stamp) override {
+    if (const Cloud* const cloud = frame.cloud()) clouds.push_back(*cloud);
+    if (const PlanarScan* const scan = frame.scan()) scans[topic.name].push_back(*scan);
   }
   void skip(const OutputTopic& topic, Stamp released) override { skipped[topic.name].push_back(released); }
 

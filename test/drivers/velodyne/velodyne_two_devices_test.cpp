@@ -8,7 +8,7 @@
 #include <cstring>
 #include <random>
 
-#include "daemon/pipeline/alternation.h"
+#include "core/base/alternation.h"
 #include "drivers/model.h"
 #include "drivers/registry/registry.h"
 #include "drivers/velodyne/packet.h"

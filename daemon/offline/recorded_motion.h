@@ -7,7 +7,7 @@
 
 #include "core/motion/pose_track.h"
 #include "daemon/pipeline/frame_tree.h"
-#include "daemon/pipeline/pipeline.h"
+#include "daemon/pipeline/messages.h"
 
 namespace lidard {
 

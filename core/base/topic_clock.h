@@ -20,7 +20,7 @@ class TopicClock {
   explicit TopicClock(Span lead = Span(0)) : lead_(lead) {}
   /// The stamp, or what replaces it. `lasts`: from the stamp to the last measurement of the message;
   /// `arrival`: by the clock that should have made the stamp.
-  Stamp place(Stamp stamp, Span lasts, Stamp arrival);
+  Stamp correct(Stamp stamp, Span lasts, Stamp arrival);
   /// Stamps that were replaced.
   std::uint64_t replaced() const { return replaced_; }
   /// By how much the clock that stamps the messages is ahead of that of the arrivals; none: at most a few

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/pipeline/other_model.h"
+#include "drivers/registry/other_model.h"
 
 #include <algorithm>
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/pipeline/topic_clock.h"
+#include "core/base/topic_clock.h"
 
 #include <algorithm>
 
@@ -16,7 +16,7 @@ constexpr int many_strikes = 6, most_strikes = 20;
 
 }  // namespace
 
-Stamp TopicClock::place(Stamp stamp, Span lasts, Stamp arrival) {
+Stamp TopicClock::correct(Stamp stamp, Span lasts, Stamp arrival) {
   const Span ahead = stamp + lasts - arrival;
   const bool is_foreign = ahead > lead_ + clocks_differ || ahead < -longest_way;
   strikes_ = std::clamp(strikes_ + (is_foreign ? 2 : -1), 0, most_strikes);

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/pipeline/recorded_motion.h"
+#include "daemon/offline/recorded_motion.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
