@@ -2,11 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "test/sim/servers/capture.h"
 
-#include <boost/crc.hpp>
 #include <cstdio>
-#include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <set>
 #include <stdexcept>
 
@@ -17,40 +14,11 @@
 namespace lidard::sim {
 namespace {
 
-std::string read_file(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw std::runtime_error(path + ": cannot be opened; name an existing file");
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
-
 void write_file(const std::string& path, const char* data, std::size_t size) {
   std::ofstream file(path, std::ios::binary);
   file.write(data, static_cast<std::streamsize>(size));
   file.close();
   if (!file) throw std::runtime_error(path + ": cannot be written; name a folder that exists and has room");
-}
-
-std::string digest_line(const std::string& path) {
-  char crc[16];
-  std::snprintf(crc, sizeof crc, "%08x", file_crc32(path));
-  return std::filesystem::path(path).filename().string() + " crc32 " + crc + " bytes " +
-         std::to_string(std::filesystem::file_size(path)) + "\n";
-}
-
-void write_digest(const std::string& prefix, bool with_truth) {
-  std::string text;
-  std::string others;
-  text += digest_line(prefix + ".pcap");
-  if (with_truth) text += digest_line(prefix + ".truth");
-  std::ifstream old(prefix + ".digest");
-  const std::string stem = std::filesystem::path(prefix).filename().string();
-  for (std::string line; std::getline(old, line);) {
-    const std::string subject = line.substr(0, line.find(' '));
-    if (subject != stem + ".pcap" && subject != stem + ".truth") others += line + "\n";
-  }
-  old.close();
-  text += others;
-  write_file(prefix + ".digest", text.data(), text.size());
 }
 
 /// For `--motion` of lidard.
@@ -67,13 +35,6 @@ void write_odometry(const Scene& scene, const std::string& path) {
 }
 
 }  // namespace
-
-std::uint32_t file_crc32(const std::string& path) {
-  const std::string content = read_file(path);
-  boost::crc_32_type crc;
-  crc.process_bytes(content.data(), content.size());
-  return crc.checksum();
-}
 
 CaptureSummary make_capture(const Scene& scene, const std::string& prefix, bool with_truth) {
   PcapWriter pcap(prefix + ".pcap");
@@ -103,7 +64,6 @@ CaptureSummary make_capture(const Scene& scene, const std::string& prefix, bool 
     const auto bytes = truth.bytes();
     write_file(prefix + ".truth", reinterpret_cast<const char*>(bytes.data()), bytes.size());
   }
-  write_digest(prefix, with_truth);
   return summary;
 }
 

@@ -15,12 +15,8 @@ struct CaptureSummary {
   std::uint64_t measurements = 0;
 };
 
-/// Drives through the scene and writes PREFIX.pcap, PREFIX.truth (unless told not to: the scene tells the
-/// truth as well), PREFIX.odometry.csv if the scene has odometry, and the lines about pcap and truth in
-/// PREFIX.digest (other lines of that file stay). Throws std::runtime_error.
+/// Drives through the scene and writes PREFIX.pcap, PREFIX.truth (unless asked not to: the scene has the
+/// truth as well) and PREFIX.odometry.csv if the scene has odometry. Throws std::runtime_error.
 CaptureSummary make_capture(const Scene& scene, const std::string& prefix, bool with_truth = true);
-
-/// CRC-32 (IEEE 802.3, as in zlib) of a file; throws std::runtime_error.
-std::uint32_t file_crc32(const std::string& path);
 
 }  // namespace lidard::sim

@@ -13,7 +13,6 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <set>
 
 #include "drivers/capture/pcap_source.h"
@@ -91,16 +90,6 @@ TEST_P(Shipped, CaptureAndTruthComeOutOfTheSceneBitByBit) {
   }
 }
 
-TEST_P(Shipped, DigestNamesTheFiles) {
-  const std::string digest = content(shipped() + ".digest");
-  for (const std::string& kind : kinds()) {
-    char crc[16];
-    std::snprintf(crc, sizeof crc, "%08x", file_crc32(shipped() + kind));
-    EXPECT_NE(digest.find(GetParam() + kind + " crc32 " + crc), std::string::npos) << digest;
-  }
-  EXPECT_EQ(digest.find(".truth") != std::string::npos, kinds().size() > 1) << digest;
-}
-
 TEST_P(Shipped, TruthBelongsToThePacketsOfTheCapture) {
   PcapSource capture(shipped() + ".pcap");
   std::vector<Stamp> arrivals;
@@ -132,16 +121,6 @@ TEST(ShippedCaptures, EveryVelodyneOfTheSimulatorHasOneOfItsOwn) {
   for (const VelodyneTable& table : velodyne_tables()) EXPECT_EQ(models.count(table.name), 1U) << table.name;
 }
 
-TEST_F(Folder, DigestKeepsTheLinesOfOthers) {
-  std::ofstream(in("x.digest")) << "x.pcap crc32 00000000 bytes 1\nx.cloud crc32 12345678 bytes 9\n";
-  const Scene scene = load_scene(test::project_file("pcaps/vlp16_dual.scene.yaml"));
-  make_capture(scene, in("x"));
-  const std::string digest = content(in("x.digest"));
-  EXPECT_EQ(std::count(digest.begin(), digest.end(), '\n'), 3);
-  EXPECT_NE(digest.find("\nx.cloud crc32 12345678 bytes 9\n"), std::string::npos);
-  EXPECT_EQ(digest.find("00000000 bytes 1\n"), std::string::npos);
-}
-
 TEST_F(Folder, ProgramTellsUseFailureAndSuccessApart) {
   EXPECT_EQ(run("--help"), 0);
   for (const char* command : {"make", "live", "send"}) {
@@ -164,7 +143,6 @@ TEST_F(Folder, ProgramTellsUseFailureAndSuccessApart) {
             0);
   EXPECT_TRUE(fs::exists(in("y.pcap")));
   EXPECT_FALSE(fs::exists(in("y.truth")));
-  EXPECT_EQ(content(in("y.digest")).find(".truth"), std::string::npos);
 }
 
 /// Listens on a port of its own on loopback.

@@ -219,8 +219,7 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   CLI::App* make_command = app.add_subcommand("make", "Writes a scene's packets and the truth beside them");
   make_command->add_option("SCENE", arguments.input, "Scene file (see pcaps/README.md)")->required();
-  make_command
-      ->add_option("-o,--output", arguments.output, "Writes PREFIX.pcap, PREFIX.truth and PREFIX.digest")
+  make_command->add_option("-o,--output", arguments.output, "Writes PREFIX.pcap and PREFIX.truth")
       ->type_name("PREFIX")
       ->required();
   make_command->add_flag("--no-truth", arguments.no_truth,
