@@ -33,7 +33,7 @@ class FrameRecorder final : public FrameReceiver {
   }
   std::uint64_t frames() const { return frames_; }
   std::uint64_t returns() const { return returns_; }
-  const TopicReport& report() const { return report_; }
+  const TopicTotals& report() const { return report_; }
 
  private:
   bool wanted() const { return !only_ || *only_ == frames_; }
@@ -41,7 +41,7 @@ class FrameRecorder final : public FrameReceiver {
   std::optional<std::uint64_t> only_;
   std::uint64_t frames_ = 0;
   std::uint64_t returns_ = 0;
-  TopicReport report_;
+  TopicTotals report_;
 };
 
 std::unique_ptr<FrameWriter> make_writer(const DecodeOptions& options) {
@@ -53,7 +53,7 @@ std::unique_ptr<FrameWriter> make_writer(const DecodeOptions& options) {
 /// Prints the table at the end; false if there was no return or not the requested frame.
 bool print_report(const DecodeOptions& options, const FrameRecorder& output, const FoundSensor& sensor,
                   std::ostream& err) {
-  TopicReport report = output.report();
+  TopicTotals report = output.report();
   report.name = options.output == "-" ? "standard output" : options.output;
   const bool beyond = options.frame && *options.frame >= output.frames();
   if (output.returns() == 0) report.remark = "no return in any frame";

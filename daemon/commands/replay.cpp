@@ -65,7 +65,7 @@ struct Replay {
     report(out, err);
     const bool is_damaged = topics && !topics->damage().empty();
     if (is_damaged) err << topics->damage() << "; the messages up to there were played\n";
-    const auto outputs = topic_reports(pipeline);
+    const auto outputs = topic_totals(pipeline);
     print_outputs("output", outputs, out);
     // A replay that was stopped early may lack outputs.
     return !is_damaged && (stopped() || all_came(outputs));

@@ -73,10 +73,10 @@ std::string why_missing(const Pipeline& pipeline, const std::string& topic) {
   return why_missing(final_status(pipeline), topic);
 }
 
-std::vector<TopicReport> topic_reports(const Pipeline& pipeline) {
+std::vector<TopicTotals> topic_totals(const Pipeline& pipeline) {
   const PipelineStatus status = final_status(pipeline);
-  std::vector<TopicReport> reports = pipeline.topic_reports();
-  for (TopicReport& report : reports) report.remark = why_missing(status, report.name);
+  std::vector<TopicTotals> reports = pipeline.topic_totals();
+  for (TopicTotals& report : reports) report.remark = why_missing(status, report.name);
   return reports;
 }
 

@@ -16,7 +16,7 @@ std::vector<DiagnosticItem> items_of(const Pipeline& pipeline, Stamp now);
 /// What /diagnostics says of one of output_topics() on which nothing came, or not all; empty: all came.
 std::string why_missing(const Pipeline& pipeline, const std::string& topic);
 /// What came out so far, one for each of output_topics(), with what was missing in it as its remark.
-std::vector<TopicReport> topic_reports(const Pipeline& pipeline);
+std::vector<TopicTotals> topic_totals(const Pipeline& pipeline);
 
 /// Gives the items of a pipeline to a sink, once per second and when a source comes or goes.
 class HealthReporter {

@@ -115,12 +115,12 @@ std::string why_no_frame(const Model& model, const Counters& counters, Span span
                                     counters.lost_packets, counters.partial_frames);
 }
 
-void print_outputs(const char* head, const std::vector<TopicReport>& outputs, std::ostream& out) {
+void print_outputs(const char* head, const std::vector<TopicTotals>& outputs, std::ostream& out) {
   std::size_t width = std::strlen(head);
-  for (const TopicReport& one : outputs) width = std::max(width, one.name.size());
+  for (const TopicTotals& one : outputs) width = std::max(width, one.name.size());
   out << fmt::format("{:<{}}  {:>8}  {:>7}\n", head, width, "messages", "Hz");
   std::string unsent;
-  for (const TopicReport& one : outputs) {
+  for (const TopicTotals& one : outputs) {
     if (!one.promised && one.messages == 0) {
       unsent += (unsent.empty() ? "" : ", ") + one.name;
       continue;
@@ -134,9 +134,9 @@ void print_outputs(const char* head, const std::vector<TopicReport>& outputs, st
   if (!unsent.empty()) out << "  not sent by the devices: " << unsent << '\n';
 }
 
-bool all_came(const std::vector<TopicReport>& outputs) {
+bool all_came(const std::vector<TopicTotals>& outputs) {
   return std::all_of(outputs.begin(), outputs.end(),
-                     [](const TopicReport& one) { return !one.promised || one.messages > 0; });
+                     [](const TopicTotals& one) { return !one.promised || one.messages > 0; });
 }
 
 }  // namespace lidard

@@ -17,9 +17,9 @@ namespace lidard {
 /// Why packets over `span` gave no complete frame: "only about 0.4 of a frame: …".
 std::string why_no_frame(const Model& model, const Counters& counters, Span span);
 /// Prints the table of outputs: a row for every promised or published one, and one line for the others.
-void print_outputs(const char* head, const std::vector<TopicReport>& outputs, std::ostream& out);
+void print_outputs(const char* head, const std::vector<TopicTotals>& outputs, std::ostream& out);
 /// False if an output that was promised never came.
-bool all_came(const std::vector<TopicReport>& outputs);
+bool all_came(const std::vector<TopicTotals>& outputs);
 
 /// Prints one line with the counters of a sensor that are not zero (packets always).
 void print_counters(const Counters& counters, std::ostream& out);

@@ -38,16 +38,13 @@ SensorLoop::SensorLoop(const Config& config, DaemonClock& clock, BlackBox& box, 
                   connections_.add_diagnostics(items);
                   host_causes_.add_diagnostics(items);
                 }),
-      ports_(io_, config,
-             [this](std::vector<Packet>& packets) {
-               handle(packets, [this](const Packet& packet) { pipeline_.packet(packet); });
-             }),
+      ports_(io_, config, [this](std::vector<Packet>& packets) { handle(packets); }),
       host_causes_(config, ports_),
       connections_(
           io_, config,
           {[this](std::size_t sensor, const Packet& packet) {
              chunk_[0] = packet;
-             handle(chunk_, [&](const Packet& chunk) { pipeline_.chunk(sensor, chunk); });
+             handle(chunk_, sensor);
            },
            [this](std::size_t sensor, HostStamp at) { pipeline_.connected(sensor, clock_.steady(at)); },
            [this](std::size_t sensor) { pipeline_.disconnected(sensor); },
@@ -108,14 +105,13 @@ void SensorLoop::report_round() {
   on_round();
 }
 
-/// Uses every packet of a batch.
-template <class Use>
-void SensorLoop::handle(std::vector<Packet>& packets, Use use) {
+/// Uses every packet of a batch, or a chunk of the connection of that sensor.
+void SensorLoop::handle(std::vector<Packet>& packets, std::optional<std::size_t> connection) {
   report_round();
   clock_.set_arrivals(packets);
   for (const Packet& packet : packets) {
     box_.add(packet);
-    use(packet);
+    connection ? pipeline_.chunk(*connection, packet) : pipeline_.packet(packet);
   }
   arm();
 }

@@ -55,8 +55,7 @@ class SensorLoop {
 
  private:
   void report_round();
-  template <class Use>
-  void handle(std::vector<Packet>& packets, Use use);
+  void handle(std::vector<Packet>& packets, std::optional<std::size_t> connection = std::nullopt);
   template <class Then>
   void catch_up(Then then);
   void schedule_tick();

@@ -103,7 +103,7 @@ class Pipeline final : public MessageReceiver {
   /// States and counters; what the parts refer to is valid until the next configure().
   PipelineStatus status(Stamp now) const;
   /// What came out so far, one for each of output_topics().
-  std::vector<TopicReport> topic_reports() const { return router_.reports(); }
+  std::vector<TopicTotals> topic_totals() const { return router_.reports(); }
   /// Senders on a configured port that no sensor claims, "192.168.1.9:2368 (412 packets)".
   std::vector<std::string> unclaimed_senders() const { return unknown_senders_.names(); }
   /// The newest time that the pipeline knows.

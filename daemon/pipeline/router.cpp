@@ -70,8 +70,8 @@ Route& Router::topic(const std::string& name) const {
   throw std::logic_error("no topic " + name);
 }
 
-std::vector<TopicReport> Router::reports() const {
-  std::vector<TopicReport> reports;
+std::vector<TopicTotals> Router::reports() const {
+  std::vector<TopicTotals> reports;
   for (const auto& route : routes_) {
     if (route->topic_) reports.push_back(route->report_);
   }

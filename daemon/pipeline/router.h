@@ -50,7 +50,7 @@ class Route {
   Router& router_;
   const std::string name_;
   std::optional<OutputTopic> topic_;  // none: the frames of a sensor, or of a source elsewhere
-  TopicReport report_;                // of the topic
+  TopicTotals report_;                // of the topic
   std::vector<Use> uses_;
   bool is_forwarded_ = false;
 };
@@ -77,7 +77,7 @@ class Router {
   /// Number of frames delivered so far.
   std::uint64_t delivered() const { return delivered_; }
   /// What came out, by OutputTopic::id.
-  std::vector<TopicReport> reports() const;
+  std::vector<TopicTotals> reports() const;
 
  private:
   friend class Route;

@@ -126,7 +126,7 @@ struct MakerStatus {
 };
 
 /// The messages on one topic or in one file.
-struct TopicReport {
+struct TopicTotals {
   std::string name;
   std::uint64_t messages = 0;
   Stamp first{}, last{};  ///< when the first and the last one were released

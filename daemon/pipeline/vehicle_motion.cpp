@@ -29,11 +29,11 @@ void VehicleMotion::poll(Stamp now) {
 std::optional<Pose> VehicleMotion::find_pose(const std::string& parent, const std::string& child,
                                              Stamp stamp) {
   Pose pose = Pose::Identity();
-  if (parent.empty() || child.empty() || frames_.find(parent, child, stamp, pose, why_refused_)) {
-    why_refused_.clear();
+  if (parent.empty() || child.empty() || frames_.find(parent, child, stamp, pose, counted_.why_refused)) {
+    counted_.why_refused.clear();
     return pose;
   }
-  ++refused_;
+  ++counted_.refused;
   return std::nullopt;
 }
 
@@ -51,9 +51,10 @@ void VehicleMotion::add_speed(double speed, Stamp now) {
 }
 
 void VehicleMotion::add_turn(Stamp stamp, const Eigen::Vector3d& rates, const std::string& frame, Stamp now) {
-  lacks_speed_ = !speed_at_ || std::abs(seconds(now - *speed_at_)) > std::max(speed_lives_s_, longest_lag_s);
-  if (lacks_speed_) {
-    ++without_speed_;
+  counted_.lacks_speed =
+      !speed_at_ || std::abs(seconds(now - *speed_at_)) > std::max(speed_lives_s_, longest_lag_s);
+  if (counted_.lacks_speed) {
+    ++counted_.without_speed;
     return;
   }
   if (const auto base_from_imu = find_pose(vehicle_.base_frame, frame, stamp))
@@ -68,7 +69,7 @@ void VehicleMotion::note_poses(Stamp now) {
 
 std::optional<MotionStatus> VehicleMotion::status(Stamp now) const {
   if (!vehicle_.has_motion()) return std::nullopt;
-  MotionStatus status;
+  MotionStatus status = counted_;
   status.has_poses = !track_.empty();
   status.topic = vehicle_.odometry_topic.empty() ? vehicle_.imu_topic : vehicle_.odometry_topic;
   status.speed_topic = vehicle_.speed_topic;
@@ -79,13 +80,9 @@ std::optional<MotionStatus> VehicleMotion::status(Stamp now) const {
     status.data_ahead_s = seconds(data_->stamp - track_.newest());
     status.poses_ahead_s = seconds(track_.oldest() - data_->stamp);
   }
-  status.lacks_speed = lacks_speed_;
-  status.why_refused = why_refused_;
   status.knots = track_.size();
   status.jumps_back = track_.restarts();
   status.not_rigid = track_.not_rigid();
-  status.refused = refused_;
-  status.without_speed = without_speed_;
   status.stamps_replaced = topic_clock_.replaced();
   status.out_of_order = track_.out_of_order() + reckoning_.refused();
   return status;

@@ -42,8 +42,8 @@ class VehicleMotion {
   void restart() {
     track_.clear();
     speed_at_.reset();
-    why_refused_.clear();
-    lacks_speed_ = false;
+    counted_.why_refused.clear();
+    counted_.lacks_speed = false;
   }
   /// None: there is no source of motion.
   std::optional<MotionStatus> status(Stamp now) const;
@@ -68,10 +68,7 @@ class VehicleMotion {
   std::optional<Stamp> speed_at_;  // arrival of the newest speed
   double speed_lives_s_ = 0;       // three periods of it
   std::optional<Newest> data_, pose_;
-  std::uint64_t refused_ = 0;        // poses of frames whose pose on the vehicle is unknown
-  std::uint64_t without_speed_ = 0;  // turn rates
-  std::string why_refused_;
-  bool lacks_speed_ = false;  // the newest turn rate came without a speed
+  MotionStatus counted_;  // what status() need not ask others
 };
 
 }  // namespace lidard

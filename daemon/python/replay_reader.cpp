@@ -54,7 +54,7 @@ bool ReplayReader::advance() {
 
 std::string ReplayReader::what_is_missing() const {
   std::string all;
-  for (const TopicReport& output : topic_reports(run_->pipeline)) {
+  for (const TopicTotals& output : topic_totals(run_->pipeline)) {
     if (output.messages > 0 || !output.promised) continue;
     all += (all.empty() ? "" : "\n") + output.name + ": " +
            (output.remark.empty() ? "nothing of its kind came" : output.remark);

@@ -145,7 +145,7 @@ Played played(const std::string& path, const Config& config, const Day& day) {
   std::ostringstream tables;
   print_table(pipeline.status(pipeline.now()).sensors, tables);
   print_verdicts(pipeline.status(pipeline.now()).sensors, tables);
-  print_outputs("output", topic_reports(pipeline), tables);
+  print_outputs("output", topic_totals(pipeline), tables);
   for (const std::string& sender : pipeline.unclaimed_senders()) tables << sender << '\n';
   for (const auto& fixed : pipeline.static_transforms())
     tables << fixed.parent << " -> " << fixed.child << '\n';

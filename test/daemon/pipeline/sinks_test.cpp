@@ -27,18 +27,18 @@ TEST(Sinks, WhatCameOutIsCountedByTopicAndStaysCountedOverAReload) {
   front_scan.deliver(test::sample_scan(), Stamp{1'000'000'000});
   front_scan.deliver(test::sample_scan(), Stamp{1'500'000'000});
   const auto report_of = [&](const std::string& name) {
-    for (const TopicReport& one : router.reports())
+    for (const TopicTotals& one : router.reports())
       if (one.name == name) return one;
-    return TopicReport();
+    return TopicTotals();
   };
   for (const bool reloaded : {false, true}) {
     if (reloaded) router.configure(front_and_roof("first: {model: sick_lms1xx, ip_address: 10.0.0.1}, "));
     EXPECT_EQ(&router.topic("front/scan"), &front_scan) << "whoever publishes there need not ask again";
-    const TopicReport scans = report_of("front/scan");
+    const TopicTotals scans = report_of("front/scan");
     EXPECT_EQ(scans.messages, 2U);
     EXPECT_EQ(scans.rate(), 2);
     EXPECT_TRUE(scans.promised);
-    const TopicReport fixes = report_of("roof/fix");
+    const TopicTotals fixes = report_of("roof/fix");
     EXPECT_EQ(fixes.name, "roof/fix");
     EXPECT_EQ(fixes.messages, 0U);
     EXPECT_FALSE(fixes.promised);
@@ -60,12 +60,12 @@ TEST(Sinks, APipelineTellsOfEveryTopicWhatCameAndWhyNothingCame) {
     pipeline.scan_message(source, scan, begin);
   }
   pipeline.tick(begin + std::chrono::seconds(1));
-  const auto reports = topic_reports(pipeline);
+  const auto reports = topic_totals(pipeline);
   ASSERT_EQ(reports.size(), 1U);
   EXPECT_EQ(reports[0].name, "both");
   EXPECT_GE(reports[0].messages, 1U);
   Pipeline silent(config, none, sink);
-  EXPECT_THAT(topic_reports(silent)[0].remark,
+  EXPECT_THAT(topic_totals(silent)[0].remark,
               testing::AllOf(test::Says(says::no_input), testing::HasSubstr("; a: nothing received")));
 }
 

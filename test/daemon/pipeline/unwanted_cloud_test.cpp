@@ -74,8 +74,8 @@ TEST(UnwantedCloud, IsNotMadeButCountedAndJudgedAsOneThatIs) {
     EXPECT_NEAR(without.recent.expected, with.recent.expected, 0.01 * with.recent.expected);
     const auto share = [](const Reception& r) { return double(r.returns) / double(r.beams); };
     EXPECT_NEAR(share(without.recent), share(with.recent), 0.03);
-    EXPECT_EQ(topic_reports(unheard.pipeline)[0].messages, topic_reports(heard.pipeline)[0].messages);
-    EXPECT_EQ(topic_reports(unheard.pipeline)[0].rate(), topic_reports(heard.pipeline)[0].rate());
+    EXPECT_EQ(topic_totals(unheard.pipeline)[0].messages, topic_totals(heard.pipeline)[0].messages);
+    EXPECT_EQ(topic_totals(unheard.pipeline)[0].rate(), topic_totals(heard.pipeline)[0].rate());
   }
 }
 
