@@ -18,7 +18,7 @@
 namespace lidard {
 namespace {
 
-constexpr double farthest_m = 20;
+constexpr double near_vehicle_m = 20;
 
 /// The remarks about one configuration, each at a key.
 struct Remarks {
@@ -101,7 +101,7 @@ void question_position(Remarks& remarks, const Value& entry, const std::string& 
   const Value pose = value_at(entry, key);
   if (pose.path() == entry.path()) return;
   const double distance = outside(remarks.config, at);
-  if (at.norm() > farthest_m)
+  if (at.norm() > near_vehicle_m)
     remarks.add(pose, fmt::format("is {:.0f} m away; are its numbers in m, and not in mm?", at.norm()));
   else if (at.z() < lowest)
     remarks.add(pose, fmt::format("is {:.2f} m below {}; z counts upwards: is its sign right?", -at.z(),
@@ -122,7 +122,7 @@ void question_positions(Remarks& remarks) {
   const auto question_destination = [&](const char* section, const auto& merged) {
     if (merged.destination_pose)
       question_position(remarks, remarks.entry(section, merged.name), "destination_pose",
-                        merged.destination_pose->translation(), -farthest_m, near_m);
+                        merged.destination_pose->translation(), -near_vehicle_m, near_vehicle_m);
   };
   for (const MergedScanConfig& merged : config.merged_scans) question_destination("merged_scans", merged);
   for (const MergedCloudConfig& merged : config.merged_clouds) question_destination("merged_clouds", merged);
@@ -248,10 +248,10 @@ constexpr UnitQuestion unit_questions[] = {
     {"deadline", 5, "s", "ms"},
     {"lost_after", 120, "s", "ms"},
     {"max_range", 1000, "m", "mm"},
-    {"min_range", farthest_m, "m", "cm or mm"},
+    {"min_range", near_vehicle_m, "m", "cm or mm"},
     {"outlier_radius", 5, "m", "cm or mm"},
     {"range_max", 1000, "m", "mm"},
-    {"range_min", farthest_m, "m", "cm or mm"},
+    {"range_min", near_vehicle_m, "m", "cm or mm"},
     {"range_noise", 0.3, "m", "cm or mm"},
     {"scan_time", 10, "s", "ms"},
     {"time_increment", 0.1, "s", "ms"},
