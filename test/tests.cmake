@@ -24,7 +24,7 @@ lidard_unity(lidard_support 6)
 # a process of its own costs most tests more than what they do. ctest counts thirds of a processor, because most of the
 # system tests below wait. Tests that put every model through the mill take half of the time: ./test/run --all.
 set(mills "BoundedTime.*" "VelodyneLoss.*ForEveryModelAndMode" "VelodyneStamp.IsTheEarliest*"
-          "VelodyneStream.LossIsCountedExactlyWhateverIsDropped" "VelodyneWholeTurn.*")
+          "VelodyneWholeTurn.*")
 string(REPLACE ";" ":" mills "${mills}")
 # s until a test hangs; sanitizers make programs several times slower.
 set(limit 900)

@@ -86,6 +86,7 @@ class CloudBuilder {
     cutter_.reset();
     cloud_.columns.clear();
     in_stream_ = false;
+    stamps_.reset();
   }
 
   /// Sequences of a frame are counted per return.

@@ -33,14 +33,20 @@ struct Sent {
   std::vector<std::uint8_t> bytes;
 };
 
+/// As many echoes and intensities as the device can send.
+std::string options_of(const Model& model) {
+  if (model.protocol == "CoLa A/B") return "echoes: 2, rssi: true";
+  return model.vendor == "SICK" && model.port == 2115 ? "echoes: 3" : "";
+}
+
 /// What a device sends.
 std::vector<Sent> packets_of(const Model& model) {
   const std::string port = std::to_string(model.port);
   const bool tcp = model.transport == Transport::tcp;
   const sim::Scene scene = sim::parse_scene(
       "start: 2026-01-01T00:17:23.5Z\nduration: 0.7\nsensors:\n  it: {model: " + std::string(model.name) +
-          ", noise: 0, from: '10.0.0.1:" + port + "', to: '10.0.0.2:" + (tcp ? "40124" : port) + "'}\n" +
-          objects,
+          ", divergence_mrad: 5, options: {" + options_of(model) + "}, from: '10.0.0.1:" + port +
+          "', to: '10.0.0.2:" + (tcp ? "40124" : port) + "'}\n" + objects,
       "scene");
   std::vector<Sent> packets;
   sim::simulate(scene, [&](const sim::SimPacket& sent) {
@@ -54,6 +60,7 @@ std::vector<PlanarScan> scans_of(const Model& model, const std::vector<Sent>& pa
   DriverConfig config;
   config.model = &model;
   config.angle_min = window.first, config.angle_max = window.last;
+  config.publish_multiecho = true;
   const auto driver = model.make(config);
   test::Collector out;
   for (const Sent& sent : packets) {
@@ -94,6 +101,7 @@ Stamp time_of(const PlanarScan& scan, std::size_t beam) {
 std::size_t compare(const PlanarScan& all, const PlanarScan& part, const Window& window) {
   const auto step = static_cast<double>(all.angle_increment);
   std::size_t inside = 0, observed = 0;
+  EXPECT_EQ(part.echoes, all.echoes);
   for (std::size_t beam = 0; beam < part.beams; ++beam)
     observed += part.statuses[beam] == BeamStatus::invalid ? 0U : 1U;
   for (std::size_t beam = 0; beam < all.beams; ++beam) {
@@ -115,9 +123,13 @@ std::size_t compare(const PlanarScan& all, const PlanarScan& part, const Window&
     if (!is_there) continue;
     const auto here = static_cast<std::size_t>(at);
     EXPECT_NEAR(static_cast<double>(part.angle(here)), angle, 1e-4);
-    EXPECT_EQ(part.statuses[here], all.statuses[beam]) << angle;
-    if (all.statuses[beam] == BeamStatus::hit) {
-      EXPECT_EQ(part.ranges[here], all.ranges[beam]) << angle;
+    for (std::size_t echo = 0; echo < all.echoes; ++echo) {
+      const std::size_t is = part.index(here, echo), should = all.index(beam, echo);
+      EXPECT_EQ(part.statuses[is], all.statuses[should]) << angle;
+      if (all.statuses[should] != BeamStatus::hit) continue;
+      EXPECT_EQ(part.ranges[is], all.ranges[should]) << angle;
+      if (all.intensities.empty()) continue;
+      EXPECT_EQ(part.intensities[is], all.intensities[should]) << angle;
     }
     EXPECT_NEAR(seconds(time_of(part, here) - time_of(all, beam)), 0, 5e-5) << angle;
     observed -= part.statuses[here] == BeamStatus::invalid ? 0U : 1U;

@@ -80,7 +80,6 @@ class TcpBench : public DriverBench {
   bool online = false, auto_connect = true, muted = false;
   bool recording = false;
   std::vector<std::pair<Stamp, std::string>> recorded;  // arrival and bytes, as a capture has them
-  bool doubled = false;                                 // something on the way sends everything twice
 
  private:
   struct Upward {
@@ -100,7 +99,6 @@ class TcpBench : public DriverBench {
       if (recording) recorded.emplace_back(now, sent->bytes);
       leaves_at = now + host_late / 4 + up_to(host_late);
       if (online && !muted) feed(sent->bytes);
-      if (online && doubled) feed(sent->bytes);
       return;
     }
     now = std::max(now, horizon);

@@ -264,19 +264,6 @@ TEST(ScipDialogue, ASensorThatTakesSecondsForEachAnswerGetsThrough) {
   }
 }
 
-TEST(ScipDialogue, WhatComesTwiceIsCountedAndNotPublishedAgain) {
-  ScipBench bench;
-  bench.doubled = true;
-  bench.run(3s);
-  EXPECT_NEAR(static_cast<double>(bench.scans.size()), 118, 4);
-  for (std::size_t i = 1; i < bench.scans.size(); ++i)
-    ASSERT_NEAR(seconds(bench.scans[i].stamp - bench.scans[i - 1].stamp), 0.025, 0.002) << i;
-  EXPECT_EQ(bench.driver->counters().rejected[static_cast<std::size_t>(Reject::duplicate)],
-            bench.scans.size());
-  EXPECT_EQ(bench.reconnects, 0);
-  EXPECT_TRUE(bench.driver->info().warnings.empty());
-}
-
 TEST(ScipDialogue, AStreamThatStopsIsAskedForAgainThenTheConnectionIsMadeAnew) {
   ScipBench bench({}, without_comparison());
   bench.run(1s);

@@ -1,13 +1,10 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cmath>
 #include <fstream>
-#include <iterator>
 
 #include "drivers/hokuyo/models.h"
 #include "drivers/registry/registry.h"
 #include "test/drivers/hokuyo/scip_bench.h"
-#include "test/support/allocations.h"
 #include "test/support/captures.h"
 
 namespace lidard::test {
@@ -241,20 +238,6 @@ TEST(ScipDriver, TheStampIsThatOfStepZero) {
   }
 }
 
-TEST(ScipDriver, KeepsBeamsWithinConfiguredAngles) {
-  DriverConfig config;
-  config.angle_min = -90 * rad_per_deg;
-  config.angle_max = 45 * rad_per_deg;
-  TcpBench bench("hokuyo_ust_10lx", config);
-  bench.feed(recording({}, "ME0000108001000", 100ms), true);
-  ASSERT_GE(bench.scans.size(), 1U);
-  const PlanarScan& scan = bench.scans[0];
-  EXPECT_EQ(scan.beams, 541U);
-  EXPECT_NEAR(scan.angle_min, -90 * rad_per_deg, 1e-6);
-  EXPECT_FLOAT_EQ(scan.ranges[0], 1.180F);
-  EXPECT_EQ(scan.intensities[0], 360.0F);
-}
-
 TEST(ScipDriver, OtherStepsInACaptureAreSetAsideUntilTheyStay) {
   TcpBench bench("hokuyo_ust_10lx");
   bench.feed(recording({}, "MD0000108001000", 200ms), true);
@@ -289,106 +272,6 @@ TEST(ScipDriver, WrongLinesAreCountedByTheirReason) {
   EXPECT_TRUE(bench.scans.empty());
   EXPECT_GE(bench.driver->counters().rejected[static_cast<std::size_t>(Reject::size)], 1U);
   EXPECT_TRUE(bench.has_warning("another number of distances"));
-}
-
-struct Seen {
-  std::size_t beams;
-  std::int64_t stamp;
-  std::vector<float> ranges;
-  friend bool operator==(const Seen& a, const Seen& b) {
-    return a.beams == b.beams && a.stamp == b.stamp && a.ranges == b.ranges;
-  }
-};
-
-/// Stamps from the first scan on: a read with many scans shows better when they were made than one with few.
-std::vector<Seen> seen(const TcpBench& bench) {
-  std::vector<Seen> all;
-  for (const PlanarScan& scan : bench.scans)
-    all.push_back({scan.beams, (scan.stamp - bench.scans[0].stamp).count(), scan.ranges});
-  return all;
-}
-
-// Short sweeps, so that every cut can be tried.
-const std::string& short_stream() {
-  static const std::string stream = recording({}, "VV\nPP\nME0100012001000;user", 200ms);
-  return stream;
-}
-
-TEST(ScipDriver, TheSameScansComeOutHoweverTheStreamIsCut) {
-  TcpBench whole("hokuyo_ust_10lx");
-  whole.feed(short_stream(), true);
-  const auto expected = seen(whole);
-  ASSERT_GE(expected.size(), 5U);
-  for (std::size_t cut = 0; cut <= short_stream().size(); ++cut) {
-    TcpBench bench("hokuyo_ust_10lx");
-    bench.feed(short_stream().substr(0, cut), true);
-    bench.feed(short_stream().substr(cut));
-    ASSERT_TRUE(seen(bench) == expected) << cut;
-  }
-  for (const std::size_t size : {1U, 2U, 3U, 7U, 64U, 65U, 1000U}) {
-    TcpBench bench("hokuyo_ust_10lx");
-    for (std::size_t at = 0; at < short_stream().size(); at += size)
-      bench.feed(short_stream().substr(at, size), at == 0);
-    ASSERT_TRUE(seen(bench) == expected) << size;
-  }
-}
-
-TEST(ScipDriver, AStreamJoinedAtAnyByteGivesTheScansThatFollow) {
-  TcpBench whole("hokuyo_ust_10lx");
-  whole.feed(short_stream(), true);
-  const std::size_t all = whole.scans.size();
-  std::vector<std::size_t> begins;
-  for (std::size_t at = 0; (at = short_stream().find("ME0100012001000;user\n99b", at)) != std::string::npos;
-       ++at)
-    begins.push_back(at);
-  ASSERT_EQ(begins.size(), all);
-  for (std::size_t cut = 0; cut < short_stream().size(); ++cut) {
-    TcpBench bench("hokuyo_ust_10lx");
-    bench.feed(short_stream().substr(cut), true);
-    const auto left = static_cast<std::size_t>(
-        std::count_if(begins.begin(), begins.end(), [cut](std::size_t begin) { return begin >= cut; }));
-    ASSERT_EQ(bench.scans.size(), left) << cut;
-    ASSERT_EQ(bench.driver->counters().rejected_total(), 0U) << cut;
-    for (std::size_t i = 0; i < left; ++i)
-      ASSERT_EQ(bench.scans[i].ranges, whole.scans[all - left + i].ranges) << cut;
-  }
-}
-
-TEST(ScipDriver, AHoleCostsOnlyTheScansThatItHit) {
-  TcpBench whole("hokuyo_ust_10lx");
-  whole.feed(short_stream(), true);
-  for (std::size_t from = 1; from + 150 < short_stream().size(); from += 5) {
-    TcpBench bench("hokuyo_ust_10lx");
-    bench.feed(short_stream().substr(0, from), true);
-    bench.feed(short_stream().substr(from + 100), false, 100);
-    ASSERT_GE(bench.scans.size() + 2, whole.scans.size()) << from;
-    ASSERT_EQ(bench.driver->counters().rejected_total(), 0U) << from;
-    for (const PlanarScan& scan : bench.scans) ASSERT_EQ(scan.ranges, whole.scans[0].ranges) << from;
-  }
-}
-
-TEST(ScipDriver, AllocatesNothingOnceWarm) {
-  ScipDeviceOptions options;
-  options.knows_echoes = true;
-  for (const char* request : {"ME0000108001000", "NE0000108001000"}) {
-    const std::string stream = recording(options, request, 2s);
-    Counted nowhere;
-    DriverConfig config = with_echoes();
-    config.model = find_model("hokuyo_utm_30lx_ew");
-    const auto driver = config.model->make(config);
-    Packet packet;
-    packet.transport = Transport::tcp;
-    packet.arrival = scip_epoch;
-    std::uint64_t before = 0;
-    for (std::size_t at = 0; at + 1448 < stream.size(); at += 1448) {
-      if (at > stream.size() / 4 && before == 0) before = allocations();
-      packet.payload = ByteView(std::string_view(stream).substr(at, 1448));
-      packet.arrival = packet.arrival + 2ms;
-      driver->receive(packet, nowhere);
-    }
-    EXPECT_GT(driver->counters().frames, 50U);
-    EXPECT_EQ(allocations() - before, 0U) << request;
-  }
 }
 
 }  // namespace

@@ -35,36 +35,6 @@ TEST(ScipMessage, AnswersEndWithAnEmptyLine) {
   EXPECT_EQ(counters.incomplete, 0U);
 }
 
-TEST(ScipMessage, AStreamMayBeJoinedAnywhere) {
-  const std::string whole = "MD0000000501000\n99b\nm2@0?\n1Dh1Dhi\n\nQT\n00P\n\nVV\n00P\n\n";
-  const std::size_t second = whole.find("QT"), third = whole.find("VV");
-  for (std::size_t cut = 0; cut < whole.size() - 3; ++cut) {
-    Counters counters;
-    ScipReader reader(counters);
-    reader.interrupt();
-    const auto got = echoes(reader, whole.substr(cut));
-    const std::size_t expected = cut == 0 ? 3U : cut <= second ? 2U : cut <= third ? 1U : 0U;
-    // A cut inside of an echo cannot be told from a shorter one; what it asks for is then not readable.
-    const std::size_t of_cut_echo =
-        (cut > 0 && cut <= 13) || (cut == second + 1) || (cut == third + 1) ? 1 : 0;
-    ASSERT_LE(got.size(), expected + of_cut_echo) << cut;
-    ASSERT_GE(got.size(), expected) << cut;
-    if (got.size() > expected) {
-      ASSERT_FALSE(parse_scan_request(got[0]));
-    }
-    for (const std::string& echo : got) ASSERT_FALSE(echo.empty()) << cut;
-  }
-}
-
-TEST(ScipMessage, AHoleCostsOnlyTheAnswerThatItHit) {
-  Counters counters;
-  ScipReader reader(counters);
-  EXPECT_EQ(echoes(reader, "QT\n00P\n\nVV\n00P\nVEND:"), std::vector<std::string>{"QT"});
-  reader.interrupt();
-  EXPECT_EQ(echoes(reader, "V2;x\nSERI:1;y\n\nPP\n00P\n\n"), std::vector<std::string>{"PP"});
-  EXPECT_EQ(counters.incomplete, 2U) << "the head and the tail";
-}
-
 TEST(ScipMessage, RubbishIsCountedAndMemoryStaysBounded) {
   Counters counters;
   ScipReader reader(counters);

@@ -8,7 +8,6 @@
 #include "drivers/registry/registry.h"
 #include "test/drivers/hokuyo/scip_bench.h"
 #include "test/sim/devices/uam_device.h"
-#include "test/support/allocations.h"
 
 namespace lidard::test {
 namespace {
@@ -185,36 +184,6 @@ TEST(Uam, StampsFollowTheCounterThroughItsOverflow) {
   EXPECT_EQ(bench.driver->counters().lost_packets, 0U);
 }
 
-TEST(Uam, TheSameScansComeOutHoweverTheStreamIsCutOrJoined) {
-  const std::string stream = stream_of({}, "AR02", 130ms);
-  UamBench whole;
-  whole.feed(stream, true);
-  const std::size_t all = whole.scans.size();
-  ASSERT_GE(all, 3U);
-  const std::size_t first = stream.find("AR0000") - 5;
-  for (std::size_t cut = 0; cut < stream.size(); cut += cut < 60 ? 1 : 37) {
-    UamBench halves, joined;
-    halves.feed(stream.substr(0, cut), true);
-    halves.feed(stream.substr(cut));
-    ASSERT_EQ(halves.scans.size(), all) << cut;
-    joined.feed(stream.substr(cut), true);
-    const std::size_t missed = cut <= first ? 0 : (cut - first + 4378) / 4379;
-    ASSERT_EQ(joined.scans.size() + missed, all) << cut;
-    ASSERT_EQ(joined.driver->counters().rejected_total(), 0U) << cut;
-    for (const PlanarScan& scan : joined.scans) ASSERT_EQ(scan.ranges, whole.scans[0].ranges);
-  }
-}
-
-TEST(Uam, DamagedFramesAreCountedAndTheNextOneIsRead) {
-  std::string stream = stream_of({}, "AR02", 130ms);
-  const std::size_t first = stream.find("AR0000");
-  stream[first + 100] = stream[first + 100] == '0' ? '1' : '0';
-  UamBench bench;
-  bench.feed(stream, true);
-  EXPECT_EQ(bench.driver->counters().rejected[static_cast<std::size_t>(Reject::checksum)], 1U);
-  EXPECT_GE(bench.scans.size(), 2U);
-}
-
 TEST(Uam, ARefusalIsToldAndTheStreamIsAskedForAgain) {
   UamDeviceOptions options;
   options.boot = 103s;
@@ -227,15 +196,6 @@ TEST(Uam, ARefusalIsToldAndTheStreamIsAskedForAgain) {
   EXPECT_TRUE(bench.driver->info().warnings.empty());
 }
 
-TEST(Uam, WhatComesTwiceIsCountedAndNotPublishedAgain) {
-  UamBench bench;
-  bench.doubled = true;
-  bench.run(2s);
-  ASSERT_GT(bench.scans.size(), 30U);
-  EXPECT_EQ(bench.driver->counters().rejected[static_cast<std::size_t>(Reject::duplicate)],
-            bench.scans.size());
-}
-
 TEST(Uam, SilenceEndsTheConnection) {
   UamBench bench;
   bench.run(1s);
@@ -246,27 +206,6 @@ TEST(Uam, SilenceEndsTheConnection) {
   bench.muted = false;
   bench.run(4s);
   EXPECT_TRUE(bench.driver->info().warnings.empty());
-}
-
-TEST(Uam, AllocatesNothingOnceWarm) {
-  const std::string stream = stream_of({}, "AR04", 2s);
-  Counted nowhere;
-  DriverConfig config;
-  config.model = find_model("hokuyo_uam_05lp_intensity");
-  config.frame_id = "a_rather_long_name_of_a_frame_id";
-  const auto driver = config.model->make(config);
-  Packet packet;
-  packet.transport = Transport::tcp;
-  packet.arrival = scip_epoch;
-  std::uint64_t before = 0;
-  for (std::size_t at = 0; at + 1448 < stream.size(); at += 1448) {
-    if (at > stream.size() / 4 && before == 0) before = allocations();
-    packet.payload = ByteView(std::string_view(stream).substr(at, 1448));
-    packet.arrival = packet.arrival + 5ms;
-    driver->receive(packet, nowhere);
-  }
-  EXPECT_GT(driver->counters().frames, 50U);
-  EXPECT_EQ(allocations() - before, 0U);
 }
 
 const Model* recognized(const std::string& stream) {

@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <random>
 
 #include "drivers/model.h"
 #include "drivers/registry/registry.h"
@@ -216,76 +215,6 @@ TEST(VelodyneClock, SixHoursWithPacketsAboutEachFullHourLoseNothing) {
   EXPECT_EQ(counters.lost_packets, 0U);
   EXPECT_EQ(counters.rejected_total(), 0U);
   EXPECT_EQ(counters.frames, 42U);
-}
-
-TEST(VelodyneClock, ARestartInTheMiddleOfAFrameLeavesNothingOfIt) {
-  for (const ModelMode& which : {ModelMode{"velodyne_vlp16", sim::ReturnMode::strongest, ""},
-                                 ModelMode{"velodyne_hdl64e_s2", sim::ReturnMode::strongest, "48"}}) {
-    const auto packets = test::spin(which, 2.4);
-    const Played alone = play(which.model, packets);
-    const DriverConfig config = config_of(which.model);
-    const auto driver = config.model->make(config);
-    Collector before, out;
-    for (std::size_t i = 0; i < packets.size() * 2 / 3; ++i) test::give(*driver, packets[i], before);
-    driver->restart();
-    for (const auto& packet : packets) test::give(*driver, packet, out);
-    driver->finish(out);
-    ASSERT_EQ(out.rows.size(), alone.out.rows.size()) << which.name();
-    EXPECT_EQ(differing_rows(out, alone.out), 0U) << which.name();
-    EXPECT_EQ(driver->counters().clock_steps, 0U) << which.name();
-    EXPECT_EQ(driver->counters().reordered, 0U) << which.name();
-    EXPECT_EQ(driver->counters().rejected_total(), 0U) << which.name();
-  }
-}
-
-TEST(VelodyneClock, ACaptureThatBeginsAgainIsDecodedAsTheFirstTime) {
-  for (const ModelMode& which : {ModelMode{"velodyne_vlp16", sim::ReturnMode::strongest, ""},
-                                 ModelMode{"velodyne_hdl64e_s2", sim::ReturnMode::strongest, "48"},
-                                 ModelMode{"velodyne_vlp32c", sim::ReturnMode::dual, ""}}) {
-    const auto packets = test::spin(which, 2.2);
-    const DriverConfig config = config_of(which.model);
-    const auto driver = config.model->make(config);
-    Collector first, second;
-    for (const auto& packet : packets) test::give(*driver, packet, first);
-    driver->finish(first);
-    const auto lost = driver->counters().lost_packets;
-    driver->restart();
-    for (const auto& packet : packets) test::give(*driver, packet, second);
-    driver->finish(second);
-    EXPECT_EQ(driver->counters().lost_packets, 2 * lost) << which.name();
-    EXPECT_EQ(driver->counters().clock_steps, 0U) << which.name();
-    EXPECT_EQ(driver->counters().rejected_total(), 0U) << which.name();
-    ASSERT_EQ(second.rows.size(), first.rows.size()) << which.name();
-    ASSERT_FALSE(first.rows.empty()) << which.name();
-    for (std::size_t i = 0; i < first.rows.size(); i += 7) {
-      ASSERT_NEAR(second.rows[i].azimuth_deg, first.rows[i].azimuth_deg, 1e-3) << which.name() << ", " << i;
-      ASSERT_NEAR(static_cast<double>(second.rows[i].stamp_ns - first.rows[i].stamp_ns), 0, 2000)
-          << which.name();
-    }
-  }
-}
-
-TEST(VelodyneClock, TimeOffsetMovesACloudAndAllItsColumns) {
-  const auto packets = test::spin({"velodyne_vlp16", sim::ReturnMode::strongest, ""}, 2.2);
-  std::vector<Collector> outs(2);
-  for (const int n : {0, 1}) {
-    DriverConfig config = config_of("velodyne_vlp16");
-    config.time_offset = std::chrono::milliseconds(15 * n);
-    const auto driver = config.model->make(config);
-    for (const auto& packet : packets) test::give(*driver, packet, outs[static_cast<std::size_t>(n)]);
-    driver->finish(outs[static_cast<std::size_t>(n)]);
-  }
-  ASSERT_EQ(outs[0].clouds.size(), outs[1].clouds.size());
-  ASSERT_FALSE(outs[0].clouds.empty());
-  const Span by = std::chrono::milliseconds(15);
-  for (std::size_t i = 0; i < outs[0].clouds.size(); ++i) {
-    const Cloud &plain = outs[0].clouds[i], &moved = outs[1].clouds[i];
-    EXPECT_EQ(moved.stamp, plain.stamp + by);
-    EXPECT_EQ(moved.end, plain.end + by);
-    for (std::size_t c = 0; c < plain.columns.size(); c += 11)
-      EXPECT_EQ(moved.columns[c].stamp, plain.columns[c].stamp + by);
-    EXPECT_EQ(moved.points_bytes, plain.points_bytes);
-  }
 }
 
 // VLP-16 user manual 63-9243 Rev D, 9.3: a block is two firing sequences of 55.296 us.

@@ -2,9 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <random>
-#include <set>
 #include <utility>
 
 #include "drivers/capture/pcap_source.h"
@@ -19,171 +16,55 @@ namespace lidard {
 namespace {
 
 using test::Collector;
+using test::WirePacket;
 using Bytes = std::vector<std::uint8_t>;
 
-constexpr Stamp t0{1'767'226'643'000'000'000};
+const test::ModelMode vlp16{"velodyne_vlp16", sim::ReturnMode::strongest, ""};
 
-/// A VLP-16 that turns evenly and sees a different distance with every firing.
-class Stream {
- public:
-  explicit Stream(bool dual, double step_deg = 0.2) : dual_(dual), step_deg_(step_deg) {}
+/// 250 packets of a VLP-16: 3.3 turns.
+std::vector<WirePacket> stream_of(const test::ModelMode& which) {
+  sim::VelodyneOptions options;
+  options.start_azimuth_deg = 77.3;
+  return test::spin(which, 1200.0 / 360, options);
+}
 
-  Bytes next() {
-    Bytes bytes(1206, 0);
-    const auto put16 = [&](std::size_t at, unsigned value) {
-      bytes[at] = static_cast<std::uint8_t>(value);
-      bytes[at + 1] = static_cast<std::uint8_t>(value >> 8U);
-    };
-    const unsigned us = static_cast<unsigned>(
-        static_cast<std::uint64_t>(std::llround(static_cast<double>(sequence_) * 55.296)) % 3'600'000'000U);
-    for (std::size_t block = 0; block < 12; ++block) {
-      const std::size_t pair = dual_ ? block / 2 : block;
-      const double azimuth = start_deg_ + step_deg_ * static_cast<double>(sequence_ + 2 * pair);
-      put16(100 * block, 0xEEFF);
-      put16(100 * block + 2, static_cast<unsigned>(std::llround(azimuth * 100)) % 36000);
-      for (std::size_t k = 0; k < 32; ++k) {
-        const auto firing = static_cast<unsigned>((sequence_ + 2 * pair) * 16 + k);
-        put16(100 * block + 4 + 3 * k, 1000 + firing % 60000);
-        bytes[100 * block + 6 + 3 * k] = static_cast<std::uint8_t>(firing);
-      }
-    }
-    for (std::size_t i = 0; i < 4; ++i) bytes[1200 + i] = static_cast<std::uint8_t>(us >> (8 * i));
-    bytes[1204] = dual_ ? 0x39 : 0x37;
-    bytes[1205] = 0x22;
-    sequence_ += dual_ ? 12 : 24;
-    return bytes;
-  }
-  Stamp arrival() const { return t0 + Span(static_cast<std::int64_t>(sequence_) * 55296 + 30'000); }
-
-  std::uint64_t sequence_ = 0;
-  double start_deg_ = 77.3;
-
- private:
-  bool dual_;
-  double step_deg_;
-};
-
-std::unique_ptr<Driver> make_driver(double cut_deg = 0, bool keep_partial = true, bool origins = true) {
+std::unique_ptr<Driver> make_driver(bool keep_partial = true, bool origins = true) {
   DriverConfig config;
   config.model = find_model("velodyne_vlp16");
   config.clock = ClockMode::arrival;
-  config.cut_angle = cut_deg * M_PI / 180;
   config.keep_partial = keep_partial;
   config.keep_origins = origins;
   return config.model->make(config);
 }
 
-Reject give(Driver& driver, const Bytes& bytes, Stamp arrival, FrameReceiver& out) {
-  const Endpoint sensor{IpAddress::v4(192, 168, 1, 201), 2368};
-  return driver.receive({{bytes.data(), bytes.size()}, arrival, sensor, {{}, 2368}}, out).reject;
-}
-
-TEST(VelodyneStream, EveryFiringIsInExactlyOneFrameForEveryCutAngle) {
-  for (const bool dual : {false, true}) {
-    for (int cut = 0; cut < 360; cut += dual ? 5 : 1) {
-      Stream stream(dual);
-      const auto driver = make_driver(cut, true, false);
-      Collector out;
-      const int packets = dual ? 500 : 250;
-      for (int i = 0; i < packets; ++i) {
-        const Bytes bytes = stream.next();
-        ASSERT_EQ(give(*driver, bytes, stream.arrival(), out), Reject::none);
-      }
-      driver->finish(out);
-      std::size_t points = 0;
-      std::size_t whole = 0;
-      for (const Cloud& cloud : out.clouds) {
-        points += cloud.size();
-        for (std::size_t i = 0; i < cloud.size(); i += 97) {
-          ASSERT_TRUE(cloud.points()[i].time >= 0 && cloud.points()[i].time < 0.1F);
-        }
-        if (!cloud.complete) continue;
-        ++whole;
-        ASSERT_EQ(cloud.columns.size(), dual ? 3600U : 1800U) << cut;
-        const double first = cloud.columns.front().azimuth * 180 / M_PI;
-        ASSERT_LT(std::fmod(first - cut + 720.0005, 360), 0.201) << cut;
-      }
-      const double to_first_cut = std::fmod(cut - 77.3 + 720, 360);
-      ASSERT_EQ(whole, static_cast<std::size_t>((1200 - to_first_cut) / 360)) << cut;
-      ASSERT_EQ(points, static_cast<std::size_t>(packets) * 384) << cut;
-    }
-  }
+/// The sensor's clock, us of the hour.
+void set_clock_forward(Bytes& packet, std::int64_t by_us) {
+  const auto us = static_cast<std::uint32_t>(ByteView(packet.data(), packet.size()).le32(1200) + by_us);
+  for (std::size_t i = 0; i < 4; ++i) packet[1200 + i] = static_cast<std::uint8_t>(us >> (8 * i));
 }
 
 TEST(VelodyneStream, FirstAndLastRevolutionAreCountedAndKeptBack) {
-  Stream stream(false);
-  const auto driver = make_driver(0, false);
+  const auto driver = make_driver(false);
   Collector out;
-  for (int i = 0; i < 250; ++i) {
-    const Bytes bytes = stream.next();
-    give(*driver, bytes, stream.arrival(), out);
-  }
+  for (const WirePacket& packet : stream_of(vlp16)) test::give(*driver, packet, out);
   driver->finish(out);
   EXPECT_EQ(out.clouds.size(), 2U);
+  for (const Cloud& cloud : out.clouds) EXPECT_EQ(cloud.columns.size(), 1800U);
   EXPECT_EQ(driver->counters().frames, 2U);
   EXPECT_EQ(driver->counters().partial_frames, 2U);
 }
 
-TEST(VelodyneStream, LossIsCountedExactlyWhateverIsDropped) {
-  for (const double probability : {0.001, 0.01, 0.1, 0.5}) {
-    for (const bool dual : {false, true}) {
-      std::mt19937 random(static_cast<unsigned>(probability * 1000));
-      Stream stream(dual);
-      const auto driver = make_driver();
-      Collector out;
-      std::uint64_t lost = 0;
-      std::uint64_t pending = 0;
-      bool started = false;
-      for (int i = 0; i < 3000; ++i) {
-        const Bytes bytes = stream.next();
-        if (static_cast<double>(random() % 100000) < probability * 100000) {
-          if (started) ++pending;
-          continue;
-        }
-        started = true;
-        lost += pending;
-        pending = 0;
-        give(*driver, bytes, stream.arrival(), out);
-      }
-      driver->finish(out);
-      EXPECT_EQ(driver->counters().lost_packets, lost) << probability << dual;
-      EXPECT_EQ(driver->counters().rejected_total(), 0U);
-      EXPECT_EQ(out.rows.size(), driver->counters().packets * 384);
-    }
-  }
-}
-
-TEST(VelodyneStream, TopOfTheHourLeavesNoTrace) {
-  Stream stream(false);
-  stream.sequence_ = static_cast<std::uint64_t>(3'600'000'000.0 / 55.296) / 24 * 24 - 24 * 100;
-  const auto driver = make_driver();
-  Collector out;
-  for (int i = 0; i < 250; ++i) {
-    const Bytes bytes = stream.next();
-    give(*driver, bytes, stream.arrival(), out);
-  }
-  driver->finish(out);
-  EXPECT_EQ(driver->counters().lost_packets, 0U);
-  EXPECT_EQ(driver->counters().clock_steps, 0U);
-  for (std::size_t f = 1; f + 1 < out.clouds.size(); ++f) EXPECT_EQ(out.clouds[f].columns.size(), 1800U);
-  EXPECT_EQ(out.rows.size(), 250U * 384);
-  for (std::size_t i = 1; i < out.rows.size(); ++i) {
-    ASSERT_GE(out.rows[i].stamp_ns + 40'000, out.rows[i - 1].stamp_ns);
-  }
-}
-
 TEST(VelodyneStream, ClockStepIsCountedAndCutsTheFrame) {
-  Stream stream(false);
   const auto driver = make_driver();
   Collector out;
-  for (int i = 0; i < 300; ++i) {
-    if (i == 150) stream.sequence_ += 100'000'000;  // the sensor's clock was set
-    const Bytes bytes = stream.next();
-    give(*driver, bytes, t0 + std::chrono::microseconds(1327 * i), out);
+  std::vector<WirePacket> packets = stream_of(vlp16);
+  for (std::size_t i = 0; i < packets.size(); ++i) {
+    if (i >= 150) set_clock_forward(packets[i].bytes, 1'929'600'000);
+    test::give(*driver, packets[i], out);
   }
   driver->finish(out);
   EXPECT_EQ(driver->counters().clock_steps, 1U);
-  EXPECT_EQ(out.rows.size(), 300U * 384);
+  EXPECT_EQ(out.rows.size(), packets.size() * 384);
   for (const auto& row : out.rows) {
     ASSERT_LT(row.time, 0.16);
     ASSERT_GE(row.time, 0);
@@ -191,64 +72,37 @@ TEST(VelodyneStream, ClockStepIsCountedAndCutsTheFrame) {
 }
 
 TEST(VelodyneStream, BrokenPacketsAreCountedByReason) {
-  Stream stream(false);
+  const std::vector<WirePacket> packets = stream_of(vlp16);
   const auto driver = make_driver();
   Collector out;
-  const Bytes good = stream.next();
-  EXPECT_EQ(give(*driver, good, stream.arrival(), out), Reject::none);
-  EXPECT_EQ(give(*driver, Bytes(good.begin(), good.end() - 1), stream.arrival(), out), Reject::size);
-  EXPECT_EQ(give(*driver, {}, stream.arrival(), out), Reject::size);
-  Bytes bad = stream.next();
-  bad[500] = 0;
-  EXPECT_EQ(give(*driver, bad, stream.arrival(), out), Reject::magic);
-  bad = stream.next();
-  bad[302] = 0xFF;
-  bad[303] = 0xFF;
-  EXPECT_EQ(give(*driver, bad, stream.arrival(), out), Reject::field);
-  EXPECT_EQ(give(*driver, good, stream.arrival(), out), Reject::duplicate);
+  const auto verdict = [&](WirePacket packet, auto damage) {
+    damage(packet.bytes);
+    return test::give(*driver, packet, out);
+  };
+  EXPECT_EQ(test::give(*driver, packets[0], out), Reject::none);
+  EXPECT_EQ(verdict(packets[0], [](Bytes& bytes) { bytes.pop_back(); }), Reject::size);
+  EXPECT_EQ(verdict(packets[0], [](Bytes& bytes) { bytes.clear(); }), Reject::size);
+  EXPECT_EQ(verdict(packets[1], [](Bytes& bytes) { bytes[500] = 0; }), Reject::magic);
+  EXPECT_EQ(verdict(packets[2], [](Bytes& bytes) { bytes[302] = bytes[303] = 0xFF; }), Reject::field);
+  EXPECT_EQ(test::give(*driver, packets[0], out), Reject::duplicate);
   EXPECT_EQ(driver->counters().rejected_total(), 5U);
   EXPECT_EQ(driver->counters().packets, 6U);
 }
 
-TEST(VelodyneStream, RandomBytesNeverCrashAndAreAllCounted) {
-  std::mt19937 random(3);
-  const auto driver = make_driver();
-  Collector out;
-  Stream stream(false);
-  for (int i = 0; i < 3000; ++i) {
-    Bytes bytes = stream.next();
-    for (int n = 0; n < 3; ++n) bytes[random() % bytes.size()] = static_cast<std::uint8_t>(random());
-    if (i % 7 == 0) bytes.resize(random() % 1300);
-    give(*driver, bytes, stream.arrival(), out);
-  }
-  driver->finish(out);
-  const Counters& c = driver->counters();
-  EXPECT_EQ(c.packets + c.other_packets, 3000U);
-  EXPECT_GT(c.rejected_total(), 400U);
-  for (const Cloud& cloud : out.clouds) ASSERT_LT(cloud.columns.size(), 60'000U);
-}
-
 TEST(VelodyneStream, DecodingAllocatesNothingAfterWarmUp) {
-  test::Counted out;
-  for (const bool dual : {false, true}) {
-    Stream stream(dual);
-    const auto driver = make_driver(0, false, false);
-    std::vector<Bytes> packets;
-    for (int i = 0; i < 2000; ++i) packets.push_back(stream.next());
-    Stamp arrival = t0;
-    const auto play = [&](std::size_t from, std::size_t to) {
-      for (std::size_t i = from; i < to; ++i) {
-        arrival = arrival + std::chrono::microseconds(dual ? 664 : 1327);
-        give(*driver, packets[i], arrival, out);
-      }
-    };
-    play(0, 700);
-    const std::uint64_t before = test::allocations();
-    play(700, 2000);
-    EXPECT_EQ(test::allocations() - before, 0U) << dual;
-    EXPECT_GT(driver->counters().frames, 3U);
+  for (const sim::ReturnMode mode : {sim::ReturnMode::strongest, sim::ReturnMode::dual}) {
+    const std::vector<WirePacket> packets = test::spin({"velodyne_vlp16", mode, ""}, 12);
+    test::Counted out;
+    const auto driver = make_driver(false, false);
+    std::uint64_t before = 0;
+    for (std::size_t i = 0; i < packets.size(); ++i) {
+      if (i == packets.size() / 3) before = test::allocations();
+      test::give(*driver, packets[i], out);
+    }
+    EXPECT_EQ(test::allocations() - before, 0U) << static_cast<int>(mode);
+    EXPECT_GT(driver->counters().frames, 9U);
+    EXPECT_GT(out.points, 100'000U);
   }
-  EXPECT_GT(out.points, 100'000U);
 }
 
 /// A real stream whose sensor's clock is set in its midst, as a pulse per second does that comes back.
@@ -265,10 +119,7 @@ std::size_t returns_with_clock_set(const char* path, const char* model, std::int
   while (source.next(packet)) {
     if (packet.payload.size() != 1206) continue;
     Bytes bytes(packet.payload.data(), packet.payload.data() + packet.payload.size());
-    if (++number > 200) {
-      const auto us = static_cast<std::uint32_t>(packet.payload.le32(1200) + by_us);
-      for (std::size_t i = 0; i < 4; ++i) bytes[1200 + i] = static_cast<std::uint8_t>(us >> (8 * i));
-    }
+    if (++number > 200) set_clock_forward(bytes, by_us);
     packet.payload = {bytes.data(), bytes.size()};
     driver->receive(packet, out);
   }

@@ -5,7 +5,6 @@
 // a program that shares nothing with this one.
 #include <gmock/gmock.h>
 
-#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <map>
@@ -48,13 +47,6 @@ INSTANTIATE_TEST_SUITE_P(Recorded, ColaCapture, ::testing::Values(lms111, lms511
 struct DeviceStream {
   std::vector<std::uint8_t> bytes;
   std::vector<std::pair<std::size_t, Stamp>> ends;
-
-  Stamp arrival_of(std::size_t end) const {
-    for (const auto& [size, stamp] : ends) {
-      if (size >= end) return stamp;
-    }
-    return ends.back().second;
-  }
 };
 
 DeviceStream device_stream(const std::string& path) {
@@ -190,118 +182,6 @@ TEST_P(ColaCapture, StampsLieOnALineBeforeTheirArrival) {
     from = end;
   }
   EXPECT_EQ(driver->counters().clock_steps, 0U);
-}
-
-/// Everything that must not depend on how the stream was cut into chunks. Stamps do: they follow arrivals.
-std::vector<std::vector<float>> values_of(const Collector& got) {
-  std::vector<std::vector<float>> values;
-  for (const PlanarScan& scan : got.scans) values.push_back(scan.ranges);
-  for (const Cloud& cloud : got.clouds) {
-    std::vector<float> flat;
-    for (std::size_t i = 0; i < cloud.size(); ++i) {
-      const CloudPoint p = cloud.points()[i];
-      flat.insert(flat.end(), {p.x, p.y, p.z});
-    }
-    values.push_back(flat);
-  }
-  // NaN is not equal to itself.
-  for (auto& each : values) {
-    for (float& value : each) value = std::isnan(value) ? -1 : value;
-  }
-  return values;
-}
-
-struct Fed {
-  Collector output;
-  Counters counters;
-};
-
-/// Feeds the stream from `begin` on in chunks whose sizes `next_size` gives.
-template <class NextSize>
-Fed feed(const DeviceStream& stream, const char* model, std::size_t begin, std::size_t end,
-         NextSize&& next_size) {
-  DriverConfig config;
-  config.model = find_model(model);
-  const auto driver = config.model->make(config);
-  Fed fed;
-  Packet packet;
-  packet.stream_start = true;
-  for (std::size_t at = begin; at < end;) {
-    const std::size_t size = std::min(end - at, std::max<std::size_t>(1, next_size()));
-    packet.payload = {stream.bytes.data() + at, size};
-    packet.arrival = stream.arrival_of(at + size);
-    driver->receive(packet, fed.output);
-    packet.stream_start = false;
-    at += size;
-  }
-  driver->finish(fed.output);
-  fed.counters = driver->counters();
-  return fed;
-}
-
-TEST_P(ColaCapture, GivesTheSameScansHoweverItIsCut) {
-  LIDARD_NEED_CAPTURE(path, GetParam().capture);
-  const DeviceStream stream = device_stream(path);
-  const std::size_t part = std::min<std::size_t>(stream.bytes.size(), 60000);
-  const std::size_t size = stream.bytes.size();
-  const auto whole = values_of(feed(stream, GetParam().model, 0, size, [&] { return size; }).output);
-  EXPECT_EQ(whole, values_of(decode_capture(path, GetParam().model).output));
-  sim::Rng random(11);
-  for (const std::size_t most : {100U, 1448U, 9000U, 70000U}) {
-    const Fed cut = feed(stream, GetParam().model, 0, size, [&] { return random.bits() % most; });
-    EXPECT_EQ(values_of(cut.output), whole);
-    EXPECT_EQ(cut.counters.rejected_total(), GetParam().repeated);
-  }
-  const Fed bytewise = feed(stream, GetParam().model, 0, part, [] { return 1; });
-  const auto some = values_of(bytewise.output);
-  EXPECT_TRUE(std::equal(some.begin(), some.end(), whole.begin()));
-}
-
-TEST_P(ColaCapture, JoinedAtAnyByteItGivesTheScansThatFollow) {
-  LIDARD_NEED_CAPTURE(path, GetParam().capture);
-  const DeviceStream stream = device_stream(path);
-  // Two telegrams around the middle, in which the listener starts; a few more follow.
-  const std::size_t begin = stream.bytes.size() / 2;
-  const std::size_t end = std::min(stream.bytes.size(), begin + 40000);
-  const auto later = values_of(feed(stream, GetParam().model, begin, end, [&] { return end; }).output);
-  ASSERT_GE(later.size(), 3U);
-  for (std::size_t join = begin; join < begin + 4000; join += 3) {
-    const Fed got = feed(stream, GetParam().model, join, end, [&] { return end; });
-    const auto values = values_of(got.output);
-    ASSERT_LE(values.size(), later.size());
-    ASSERT_GE(values.size() + 5, later.size());
-    EXPECT_TRUE(std::equal(values.rbegin(), values.rend(), later.rbegin())) << "joined at " << join;
-    EXPECT_EQ(got.counters.rejected_total(), 0U) << "joined at " << join;
-    EXPECT_LE(got.counters.incomplete, 1U);
-  }
-}
-
-TEST_P(ColaCapture, HolesCostTheirTelegramsAndAreCountedExactly) {
-  LIDARD_NEED_CAPTURE(path, GetParam().capture);
-  const DeviceStream stream = device_stream(path);
-  DriverConfig config;
-  config.model = find_model(GetParam().model);
-  const std::size_t all = decode_capture(path, GetParam().model).counters.packets;
-  sim::Rng random(5);
-  for (int trial = 0; trial < 20; ++trial) {
-    const auto driver = config.model->make(config);
-    Collector out;
-    const std::size_t from = stream.bytes.size() / 4 + random.bits() % (stream.bytes.size() / 2);
-    const std::size_t size = 1 + random.bits() % 20000;
-    Packet packet;
-    packet.payload = {stream.bytes.data(), from};
-    packet.arrival = stream.arrival_of(from);
-    driver->receive(packet, out);
-    packet.payload = {stream.bytes.data() + from + size, stream.bytes.size() - from - size};
-    packet.arrival = stream.ends.back().second;
-    packet.missing = size;
-    driver->receive(packet, out);
-    const Counters& counters = driver->counters();
-    EXPECT_EQ(counters.rejected_total(), counters.rejected[static_cast<std::size_t>(Reject::duplicate)]);
-    EXPECT_LE(counters.packets, all);
-    EXPECT_LE(counters.lost_packets + counters.packets, all + 3) << "a repeated telegram hides a loss";
-    EXPECT_GE(counters.lost_packets + counters.packets + 12, all);
-  }
 }
 
 TEST(ColaCaptures, ForeignTelegramsAreSetAsideAndCounted) {

@@ -3,8 +3,6 @@
 // What a CoLa device tells beside its distances, and what becomes of its planes.
 #include <gmock/gmock.h>
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
@@ -13,13 +11,11 @@
 #include "test/drivers/sick/cola/cola_bench.h"
 #include "test/sim/world/rng.h"
 #include "test/sim/world/units.h"
-#include "test/support/allocations.h"
 
 namespace lidard::test {
 namespace {
 
 using sim::Cola;
-using ::testing::ElementsAre;
 
 TEST(ColaDriver, TheDeviceTellsItsStatusSerialAndName) {
   ColaBench bench;
@@ -170,33 +166,6 @@ TEST(ColaDriver, ThePlanesOfAnMrs1000AreCorrectedByTheAnglesThatAreSent) {
     const double turned = std::atan2(corrected.y, corrected.x) - std::atan2(plain.y, plain.x);
     EXPECT_NEAR(turned * deg_per_rad, i == 0 ? 0 : i == 1 ? 0.5 : -0.5, 1e-4) << i;
     EXPECT_NEAR(std::atan2(next.y, next.x), std::atan2(plain.y, plain.x), 1e-6) << "of one telegram alone";
-  }
-}
-
-TEST(ColaDriver, NothingIsAllocatedOnceItRuns) {
-  for (const char* model : {"sick_lms5xx", "sick_mrs1000"}) {
-    for (const Cola dialect : {Cola::binary, Cola::text}) {
-      Counted out;
-      ColaBench bench(model);
-      bench.sample.encoders = {{1, 1}};
-      bench.sample.channels = {channel("DIST1", std::vector<std::uint16_t>(541, 900)),
-                               channel("RSSI1", std::vector<std::uint16_t>(541, 200), false)};
-      for (std::uint16_t i = 0; i < 60; ++i) {
-        constexpr std::array<std::int16_t, 4> layers = {250, -500, 0, -250};
-        bench.sample.layer = layers[i % 4];
-        bench.sample.telegram_counter = i;
-        bench.sample.start_us += 20000;
-        bench.sample.transmit_us += 20000;
-        const auto bytes = bench.sample.bytes(dialect);
-        Packet packet;
-        packet.payload = {bytes.data(), bytes.size()};
-        packet.arrival = bench.now + std::chrono::milliseconds(20) * i;
-        const std::uint64_t own = allocations();
-        bench.driver->receive(packet, out);
-        EXPECT_EQ(i < 20 ? 0U : allocations() - own, 0U) << model << " telegram " << i;
-      }
-      EXPECT_GT(out.scans + out.clouds, 10U);
-    }
   }
 }
 

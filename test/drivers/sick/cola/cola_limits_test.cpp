@@ -6,8 +6,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
-#include <random>
 
 #include "drivers/sick/cola/cola_stream.h"
 #include "test/drivers/sick/cola/cola_bench.h"
@@ -16,8 +14,6 @@ namespace lidard::test {
 namespace {
 
 using sick::ColaTextReader;
-using sim::Cola;
-constexpr double rad = 3.14159265358979323846 / 180;
 
 /// What a field reads as, or nothing where it is refused.
 template <class Read>
@@ -67,80 +63,6 @@ TEST(ColaNumbers, AreRefusedWhereACharacterIsNoDigitOfTheirBase) {
   for (const char* bad : {"+", "-", "+A", "-F", "G", "@", "`", "g", ":", "/", "1.5", "0x10", "+-1"})
     EXPECT_EQ(u32(bad), std::nullopt) << bad;
   for (const char* good : {"0", "9", "A", "F", "a", "f"}) EXPECT_NE(u32(good), std::nullopt) << good;
-}
-
-/// A sample of `beams` beams with two echoes, their ranges and intensities all different.
-void fill_sample(ColaBench& bench, std::size_t beams, int start, int step) {
-  std::vector<std::uint16_t> d1, d2, r1, r2;
-  for (std::size_t i = 0; i < beams; ++i) {
-    const auto n = static_cast<std::uint16_t>(i);
-    d1.push_back(static_cast<std::uint16_t>(2000 + n)), d2.push_back(static_cast<std::uint16_t>(5000 + n));
-    r1.push_back(n), r2.push_back(static_cast<std::uint16_t>(1000 + n));
-  }
-  const auto s = static_cast<std::uint16_t>(step);
-  bench.sample.channels = {{"DIST1", 1, 0, start, s, true, d1},
-                           {"DIST2", 1, 0, start, s, true, d2},
-                           {"RSSI1", 1, 0, start, s, true, r1},
-                           {"RSSI2", 1, 0, start, s, true, r2}};
-}
-
-// The whole scan is the truth for the part: a beam kept has the angle, range, echo and intensity that it has
-// there, and all beams within the window are kept. Upright and mirrored models.
-TEST(ColaWindow, KeepsTheBeamsBetweenTheAnglesWithAllThatIsTheirs) {
-  std::mt19937 random(11);
-  for (const char* model : {"sick_lms5xx", "sick_tim240", "sick_lrs36x0", "sick_nav31x"}) {
-    ColaBench whole(model, [] {
-      DriverConfig config;
-      config.publish_multiecho = true;
-      return config;
-    }());
-    fill_sample(whole, 181, 0, 5000);
-    whole.send_sample();
-    ASSERT_EQ(whole.scans.size(), 1U) << model;
-    const PlanarScan& all = whole.scans[0];
-    const float low = std::min(all.angle_min, all.angle_max), high = std::max(all.angle_min, all.angle_max);
-    std::uniform_real_distribution<double> angle(static_cast<double>(low) - 0.2,
-                                                 static_cast<double>(high) + 0.2);
-    for (int i = 0; i < 20; ++i) {
-      DriverConfig config;
-      config.publish_multiecho = true;
-      const double a = angle(random), b = angle(random);
-      if (std::abs(a - b) < 0.05) continue;
-      if (i % 3 != 1) config.angle_min = std::min(a, b);
-      if (i % 3 != 2) config.angle_max = std::max(a, b);
-      // A beam on a limit is inside, since configured angles are rounded.
-      constexpr double slack = 0.02 * 0.5 * rad;
-      bool on_limit = false;
-      for (std::size_t beam = 0; beam < all.beams; ++beam) {
-        const auto at = static_cast<double>(all.angle(beam));
-        on_limit = on_limit || std::abs(at - config.angle_min.value_or(at + 1)) < slack ||
-                   std::abs(at - config.angle_max.value_or(at + 1)) < slack;
-      }
-      if (on_limit) continue;
-      ColaBench part(model, config);
-      part.sample = whole.sample;
-      part.send_sample();
-      const auto inside = [&](std::size_t beam) {
-        const auto at = static_cast<double>(all.angle(beam));
-        return at >= config.angle_min.value_or(-10) && at <= config.angle_max.value_or(10);
-      };
-      std::vector<std::size_t> kept;
-      for (std::size_t beam = 0; beam < all.beams; ++beam)
-        if (inside(beam)) kept.push_back(beam);
-      ASSERT_EQ(part.scans.size(), kept.empty() ? 0U : 1U);
-      if (kept.empty()) continue;
-      const PlanarScan& scan = part.scans[0];
-      ASSERT_EQ(scan.beams, kept.size()) << model;
-      for (std::size_t beam = 0; beam < kept.size(); ++beam) {
-        EXPECT_NEAR(scan.angle(beam), all.angle(kept[beam]), 1e-5);
-        for (std::size_t echo = 0; echo < 2; ++echo) {
-          const std::size_t here = scan.index(beam, echo), there = all.index(kept[beam], echo);
-          EXPECT_EQ(scan.ranges[here], all.ranges[there]) << model << ", beam " << beam;
-          EXPECT_EQ(scan.intensities[here], all.intensities[there]) << model << ", beam " << beam;
-        }
-      }
-    }
-  }
 }
 
 TEST(ColaWindow, IntensitiesOfAnotherNumberThanTheDistancesAreLeftAtZero) {

@@ -94,16 +94,6 @@ TEST(ColaStream, FindsTheNextTelegramWhenItJoinsInTheMiddle) {
   }
 }
 
-TEST(ColaStream, CountsAWrongChecksumAndGoesOnWithTheNextTelegram) {
-  Bytes damaged = number(Cola::binary, 7);
-  damaged[14] ^= 0x10U;
-  Reading reading;
-  reading.add(number(Cola::binary, 6) + damaged + number(Cola::binary, 8));
-  EXPECT_EQ(reading.found.size(), 2U);
-  EXPECT_EQ(reading.counters.rejected[static_cast<std::size_t>(Reject::checksum)], 1U);
-  EXPECT_EQ(reading.counters.rejected_total(), 1U);
-}
-
 TEST(ColaStream, ADamagedLengthCostsOneTelegramOnly) {
   for (const std::size_t at : {4U, 5U, 6U, 7U}) {
     Bytes damaged = number(Cola::binary, 7);
@@ -122,16 +112,6 @@ TEST(ColaStream, CountsARowOfForeignBytesOnce) {
   reading.add(number(Cola::binary, 1) + of("GET / HTTP/1.1\r\n\r\n") + number(Cola::binary, 2));
   EXPECT_EQ(reading.found.size(), 2U);
   EXPECT_EQ(reading.counters.rejected[static_cast<std::size_t>(Reject::magic)], 1U);
-}
-
-TEST(ColaStream, GivesUpAHalfTelegramBeforeAHole) {
-  const Bytes telegram = number(Cola::binary, 1);
-  Reading reading;
-  reading.add({telegram.begin(), telegram.end() - 3});
-  reading.stream.interrupt();
-  reading.add(number(Cola::binary, 2));
-  EXPECT_THAT(reading.found, ElementsAre(::testing::StartsWith("sSN N")));
-  EXPECT_EQ(reading.counters.incomplete, 1U);
 }
 
 TEST(ColaStream, WaitsForNoTelegramThatIsTooLong) {

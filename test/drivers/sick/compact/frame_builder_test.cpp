@@ -280,21 +280,6 @@ TEST(FrameBuilder, FramesThatGrowBecomeTheNewGeometryAndAWarning) {
   EXPECT_EQ(bench.scans.back().beams, 180U);
 }
 
-TEST(FrameBuilder, ConfiguredAnglesKeepTheirBeams) {
-  DriverConfig config;
-  config.angle_min = -90 * bench_rad;
-  config.angle_max = 45 * bench_rad;
-  SegmentBench bench("sick_picoscan150", config);
-  for (std::uint64_t f = 0; f < 3; ++f) bench.send_frame(f);
-  ASSERT_EQ(bench.scans.size(), 2U);
-  const PlanarScan& scan = bench.scans[1];
-  EXPECT_EQ(scan.beams, 271U);
-  EXPECT_NEAR(static_cast<double>(scan.angle_min) / bench_rad, -90, 1e-4);
-  EXPECT_NEAR(scan.ranges[0], 2.096, 1e-6);
-  const Stamp first = bench.host_of(bench.time_us(2, 96)) + std::chrono::milliseconds(2);
-  EXPECT_NEAR(seconds(scan.stamp - first), 0, 2e-6);
-}
-
 TEST(FrameBuilder, OneEchoIsTheNearestAndAllComeWhenAskedFor) {
   for (const bool multi : {false, true}) {
     DriverConfig config;

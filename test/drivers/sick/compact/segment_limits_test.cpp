@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <random>
 
 #include "drivers/capture/pcap_source.h"
 #include "drivers/registry/registry.h"
@@ -56,32 +55,6 @@ TEST(SegmentTimes, ASpoiledSegmentChangesTheTimesOfNoOtherScan) {
       others += same ? 0U : 1U;
     }
     EXPECT_LE(others, 1U) << "segment " << spoiled;
-  }
-}
-
-TEST(SegmentTimes, TimeOffsetMovesScansCloudsAndInertialSamples) {
-  for (const char* model : {"sick_picoscan150", "sick_multiscan136"}) {
-    DriverConfig config;
-    SegmentBench plain(model, config);
-    config.time_offset = std::chrono::milliseconds(21);
-    config.keep_origins = true;
-    SegmentBench moved(model, config);
-    for (std::uint64_t frame = 0; frame < 4; ++frame) plain.send_frame(frame), moved.send_frame(frame);
-    ASSERT_EQ(moved.scans.size(), plain.scans.size());
-    ASSERT_EQ(moved.clouds.size(), plain.clouds.size());
-    ASSERT_GE(plain.scans.size() + plain.clouds.size(), 2U) << model;
-    for (std::size_t i = 0; i < plain.scans.size(); ++i)
-      EXPECT_EQ(moved.scans[i].stamp, plain.scans[i].stamp + config.time_offset);
-    for (std::size_t i = 0; i < plain.clouds.size(); ++i) {
-      const Cloud &a = plain.clouds[i], &b = moved.clouds[i];
-      EXPECT_EQ(b.stamp, a.stamp + config.time_offset);
-      EXPECT_EQ(b.end, a.end + config.time_offset);
-      ASSERT_EQ(b.columns.size(), a.columns.size());
-      EXPECT_EQ(b.columns.back().stamp, a.columns.back().stamp + config.time_offset);
-      ASSERT_FALSE(b.origins.empty());
-      EXPECT_NEAR(seconds(b.origins[0].stamp - b.columns[0].stamp), 0, 1e-6);
-      EXPECT_EQ(float(b.points()[5].time), float(a.points()[5].time)) << "they count from the stamp";
-    }
   }
 }
 
@@ -163,37 +136,6 @@ TEST(SegmentTimes, EndOfACloudIsThatOfItsLastBeam) {
   }
 }
 
-TEST(SegmentWindow, KeepsTheBeamsBetweenTheAnglesWithTheirRanges) {
-  SegmentBench whole;
-  for (std::uint64_t frame = 0; frame < 4; ++frame) whole.send_frame(frame);
-  ASSERT_GE(whole.scans.size(), 2U);
-  const PlanarScan& all = whole.scans.back();
-  std::mt19937 random(3);
-  std::uniform_real_distribution<double> angle(-2.6, 2.6);
-  for (int i = 0; i < 12; ++i) {
-    DriverConfig config;
-    const double a = angle(random), b = angle(random);
-    if (i % 3 != 1) config.angle_min = std::min(a, b);
-    if (i % 3 != 2) config.angle_max = std::max(a, b);
-    SegmentBench part("sick_picoscan150", config);
-    for (std::uint64_t frame = 0; frame < 4; ++frame) part.send_frame(frame);
-    std::vector<std::size_t> kept;
-    for (std::size_t beam = 0; beam < all.beams; ++beam) {
-      const auto at = static_cast<double>(all.angle(beam));
-      if (at >= config.angle_min.value_or(-9) && at <= config.angle_max.value_or(9)) kept.push_back(beam);
-    }
-    ASSERT_FALSE(part.scans.empty());
-    const PlanarScan& scan = part.scans.back();
-    ASSERT_EQ(scan.beams, kept.size());
-    for (std::size_t beam = 0; beam < kept.size(); ++beam) {
-      ASSERT_EQ(scan.ranges[beam], all.ranges[kept[beam]]) << beam;
-      ASSERT_EQ(scan.intensities[beam], all.intensities[kept[beam]]) << beam;
-    }
-    const double before = static_cast<double>(kept.front()) * 0.05 / 720;
-    EXPECT_NEAR(seconds(scan.stamp - all.stamp), before, 3e-6) << "the stamp is that of the first beam kept";
-  }
-}
-
 TEST(SegmentClouds, LeaveOutWhatIsNearerOrFartherThanConfigured) {
   for (const bool inside : {false, true}) {
     DriverConfig config;
@@ -252,27 +194,6 @@ TEST(SegmentLosses, ASegmentThatComesTwiceOrTooLateIsNamedSo) {
   EXPECT_EQ(after.rejected_total(), before.rejected_total() + 2);
   EXPECT_EQ(before.lost_packets, 1U);
   EXPECT_EQ(after.lost_packets, 0U) << "it was late, and not lost";
-}
-
-TEST(SegmentTimes, OfACaptureThatBeginsAgainAreThoseOfItsFirstTime) {
-  SegmentBench bench;
-  std::vector<Stamp> first;
-  for (int loop = 0; loop < 3; ++loop) {
-    bench.scans.clear();
-    for (std::uint64_t frame = 0; frame < 5; ++frame) bench.send_frame(frame);
-    if (loop == 0)
-      for (const PlanarScan& scan : bench.scans) first.push_back(scan.stamp);
-    // A frame's size is known from the first time on, so that the first frame is whole too.
-    ASSERT_GE(bench.scans.size(), first.size()) << loop;
-    for (std::size_t i = 0; i < first.size(); ++i) {
-      const PlanarScan& scan = bench.scans[bench.scans.size() - first.size() + i];
-      EXPECT_NEAR(seconds(scan.stamp - first[i]), 0, 1e-5) << loop << ", " << i;
-      EXPECT_NEAR(scan.scan_time, 0.05, 2e-5);
-    }
-    bench.driver->restart();
-  }
-  EXPECT_EQ(bench.driver->counters().lost_packets, 0U);
-  EXPECT_EQ(bench.driver->counters().clock_steps, 0U);
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cmath>
 #include <random>
 
 #include "drivers/registry/identifier.h"
@@ -117,24 +116,6 @@ TEST(SafetyDriver, LeavesIntensitiesOutOnRequest) {
   SafetyBench bench(config);
   bench.send_next();
   EXPECT_TRUE(bench.scans[0].intensities.empty());
-}
-
-TEST(SafetyDriver, CutsBeamsToTheConfiguredAngles) {
-  DriverConfig config;
-  config.angle_min = (-10.5597 - 90 + 10 * 0.51306) * rad;
-  config.angle_max = (-10.5597 - 90 + 20 * 0.51306) * rad;
-  SafetyBench bench(config);
-  for (std::size_t i = 0; i < 48; ++i) bench.sample.beams[i].distance = static_cast<std::uint16_t>(1000 + i);
-  bench.send_next();
-  bench.send_next();
-  for (const PlanarScan& scan : bench.scans) {
-    EXPECT_EQ(scan.beams, 11U);
-    EXPECT_FLOAT_EQ(scan.ranges[0], 1.010F);
-    EXPECT_FLOAT_EQ(scan.ranges[10], 1.020F);
-    EXPECT_NEAR(scan.angle_min, *config.angle_min, 1e-5);
-    EXPECT_NEAR(scan.angle_max, *config.angle_max, 1e-5);
-  }
-  EXPECT_EQ(bench.scans[1].stamp, bench.now - 37 * beam_period);
 }
 
 TEST(SafetyDriver, SaysWhenTheConfiguredAnglesLeaveNothing) {

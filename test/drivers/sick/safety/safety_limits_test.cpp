@@ -4,9 +4,6 @@
 // limits.
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <random>
-
 #include "test/drivers/sick/safety/safety_bench.h"
 #include "test/sim/world/units.h"
 
@@ -62,51 +59,6 @@ TEST(SafetyBeamPeriod, IsTheExactOneWithinAMicrosecondOfTheAnnouncedOne) {
   EXPECT_NEAR(period(85), 85e-6, 1e-9);
 }
 
-TEST(SafetyWindow, KeepsTheBeamsBetweenTheAnglesWithAllThatIsTheirs) {
-  std::mt19937 random(21);
-  std::uniform_real_distribution<double> angle(-2.5, 2.5);
-  for (const bool upside_down : {false, true}) {
-    SafetyBench whole;
-    whole.sample = round_sample(upside_down);
-    whole.send_next();
-    const PlanarScan all = whole.scans.at(0);
-    for (int i = 0; i < 15; ++i) {
-      DriverConfig config;
-      const double a = angle(random), b = angle(random);
-      if (std::abs(a - b) < 0.1) continue;
-      if (i % 3 != 1) config.angle_min = std::min(a, b);
-      if (i % 3 != 2) config.angle_max = std::max(a, b);
-      SafetyBench part(config);
-      part.sample = round_sample(upside_down);
-      part.send_next();
-      std::vector<std::size_t> kept;
-      for (std::size_t beam = 0; beam < all.beams; ++beam) {
-        const auto at = static_cast<double>(all.angle(beam));
-        if (at >= config.angle_min.value_or(-9) && at <= config.angle_max.value_or(9)) kept.push_back(beam);
-      }
-      ASSERT_EQ(part.scans.size(), kept.empty() ? 0U : 1U);
-      if (kept.empty()) continue;
-      const PlanarScan& scan = part.scans[0];
-      ASSERT_EQ(scan.beams, kept.size()) << upside_down;
-      for (std::size_t beam = 0; beam < kept.size(); ++beam) {
-        EXPECT_EQ(scan.ranges[beam], all.ranges[kept[beam]]) << upside_down << ", " << beam;
-        EXPECT_EQ(scan.intensities[beam], all.intensities[kept[beam]]) << upside_down << ", " << beam;
-        EXPECT_NEAR(scan.angle(beam), all.angle(kept[beam]), 1e-5);
-      }
-      EXPECT_NEAR(seconds(scan.stamp - all.stamp), static_cast<double>(kept[0]) * 0.03 / 360, 1e-6);
-    }
-  }
-}
-
-TEST(SafetyStamps, TimeOffsetMovesThem) {
-  DriverConfig config;
-  config.time_offset = std::chrono::milliseconds(-12);
-  SafetyBench plain, moved(config);
-  for (int i = 0; i < 3; ++i) plain.send_next(), moved.send_next();
-  for (std::size_t i = 0; i < 3; ++i)
-    EXPECT_EQ(moved.scans.at(i).stamp, plain.scans.at(i).stamp - std::chrono::milliseconds(12));
-}
-
 /// Sends the scan that many numbers ahead, arriving so long after the last one.
 void send_after(SafetyBench& bench, std::uint32_t scans, Span passed) {
   bench.sample.sequence += scans;
@@ -150,26 +102,6 @@ TEST(SafetyStamps, AnotherScanTimeIsAnotherClock) {
   EXPECT_NEAR(seconds(bench.now - bench.scans.back().stamp), 47 * 0.04 * 0.51306 / 360, 1e-4);
   EXPECT_EQ(bench.driver->counters().lost_packets, 0U);
   EXPECT_FLOAT_EQ(bench.scans.back().scan_time, 0.04F);
-}
-
-TEST(SafetyStamps, OfACaptureThatBeginsAgainAreThoseOfItsFirstTime) {
-  SafetyBench bench;
-  const Ms3Sample sample = bench.sample;
-  std::vector<Stamp> first;
-  for (int loop = 0; loop < 3; ++loop) {
-    bench.sample = sample;
-    bench.now = ms3_epoch;
-    bench.identification = 1;
-    bench.scans.clear();
-    for (int i = 0; i < 10; ++i) bench.send_next();
-    ASSERT_EQ(bench.scans.size(), 10U) << loop;
-    if (loop == 0)
-      for (const PlanarScan& scan : bench.scans) first.push_back(scan.stamp);
-    for (std::size_t i = 0; i < 10; ++i) EXPECT_EQ(bench.scans[i].stamp, first[i]) << loop << ", " << i;
-    bench.driver->restart();
-  }
-  EXPECT_EQ(bench.driver->counters().lost_packets, 0U);
-  EXPECT_EQ(bench.driver->counters().clock_steps, 0U);
 }
 
 }  // namespace

@@ -213,19 +213,5 @@ TEST(SafetyStream, HostClockStepNeitherDropsNorFreezesScans) {
   }
 }
 
-TEST(SafetyStream, RestartForgetsTheStreamAndKeepsTheCounters) {
-  SafetyBench bench;
-  for (int i = 0; i < 5; ++i) bench.send_next();
-  bench.driver->restart();
-  bench.sample = Ms3Sample();
-  bench.now = ms3_epoch;
-  for (int i = 0; i < 5; ++i) bench.send_next();
-  ASSERT_EQ(bench.scans.size(), 10U);
-  EXPECT_EQ(bench.scans[0].stamp, bench.scans[5].stamp);
-  EXPECT_EQ(bench.driver->counters().lost_packets, 0U);
-  EXPECT_EQ(bench.driver->counters().clock_steps, 0U);
-  EXPECT_EQ(bench.driver->counters().frames, 10U);
-}
-
 }  // namespace
 }  // namespace lidard::sick
