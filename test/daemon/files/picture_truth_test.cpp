@@ -32,7 +32,7 @@ merged_scans:
   around: {laserscan_topics: [left, right], profile: strict, range_max: 30, beams: 1440}
 )";
 
-constexpr Rgb blue{0, 115, 179}, orange{214, 94, 0}, black{0, 0, 0}, free_area{219, 242, 227},
+constexpr Rgb of_left{0, 115, 179}, of_right{214, 94, 0}, black{0, 0, 0}, free_area{219, 242, 227},
     unknown{232, 227, 222};
 constexpr double half = 13;  // m from base_link to the edge
 
@@ -71,10 +71,10 @@ TEST_F(PictureTruth, ReturnsAndAreasStandWhereTheyWereMeasured) {
   sim::make_capture(sim::parse_scene(scene, "scene"), path("v"), false);
   options_.captures = {path("v.pcap")};
   const Pixels picture = drawn();
-  EXPECT_TRUE(shows(picture, blue, 2.5, 0.5)) << "the left scanner's returns on its side of the box";
-  EXPECT_TRUE(shows(picture, orange, 2.5, -0.5)) << "the right scanner's";
+  EXPECT_TRUE(shows(picture, of_left, 2.5, 0.5)) << "the left scanner's returns on its side of the box";
+  EXPECT_TRUE(shows(picture, of_right, 2.5, -0.5)) << "the right scanner's";
   EXPECT_TRUE(shows(picture, black, 2.0, 0.2)) << "the merged scan on the box";
-  EXPECT_TRUE(shows(picture, blue, -6.0, 11.99) && shows(picture, orange, -6.0, -11.99)) << "the walls";
+  EXPECT_TRUE(shows(picture, of_left, -6.0, 11.99) && shows(picture, of_right, -6.0, -11.99)) << "the walls";
   EXPECT_TRUE(shows(picture, free_area, 1.0, 0.15, 0)) << "before the box";
   EXPECT_TRUE(shows(picture, free_area, 5.3, 6.1, 0)) << "beside it";
   EXPECT_FALSE(shows(picture, free_area, 4.0, 0.0, 1)) << "behind it";
@@ -91,7 +91,8 @@ TEST_F(PictureTruth, AnEmptyFieldHasTheFieldsOfViewAndWhatTheMergedScanCanSee) {
   EXPECT_TRUE(shows(picture, unknown, -9.0, 0.0, 4)) << "nobody sees behind the vehicle";
   EXPECT_FALSE(shows(picture, free_area, -9.0, 0.0, 4));
   // The left scanner looks 45 degrees to the left, and 137.5 degrees to either side of that.
-  EXPECT_TRUE(shows(picture, blue, -9.0, 0.61, 3) && shows(picture, orange, -9.0, -0.61, 3)) << "their ends";
+  EXPECT_TRUE(shows(picture, of_left, -9.0, 0.61, 3) && shows(picture, of_right, -9.0, -0.61, 3))
+      << "their ends";
   options_.output = path("v.svg");
   ASSERT_EQ(draw(options_), exit_ok) << said;
   for (const char* name :
