@@ -91,8 +91,8 @@ set(alone test_live_equals_replay test_memory test_network_losses test_noise tes
 # What shows that lidard lasts, and its packages: ./test/run --all.
 set(endurance test_bad_packet test_noise test_package test_random_faults test_soak)
 # What takes longest begins first, before the tests above, which compute.
-set(long test_network_silence test_watchdog test_node_name test_network_changes test_fault_table test_velodyne_control
-         test_clock_step test_package)
+set(long test_network_silence test_watchdog test_node_name test_network_changes test_fault_table test_clock_step
+         test_package)
 # These compute, too.
 set(busy test_bad_packet test_decode test_import test_inspect test_package test_python)
 file(GLOB system_tests CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/test/system/test_*.py)

@@ -15,7 +15,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <regex>
 #include <sstream>
 #include <utility>
@@ -40,11 +39,6 @@ std::vector<std::string> shipped_captures() {
     if (entry.path().extension() == ".pcap") paths.push_back(entry.path());
   std::sort(paths.begin(), paths.end());
   return paths;
-}
-
-std::string content(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
 }
 
 /// A path for a file that is gone with its owner.
@@ -181,7 +175,7 @@ const std::pair<const char*, const char*> vehicles[] = {
 };
 
 std::string demo_with(const std::string& outputs) {
-  std::string text = content(test::project_file("config/demo.yaml"));
+  std::string text = test::content(test::project_file("config/demo.yaml"));
   if (!outputs.empty()) {
     text.resize(text.find("virtual_scans:"));
     text = std::regex_replace(text, std::regex("base_frame: base_link  "),
@@ -292,7 +286,7 @@ TEST(Golden, DecodeWritesAndSaysWhatItDidBefore) {
           "exit " + std::to_string(code) + "\n" +
           std::regex_replace(without_folders(err.str(), file.path), std::regex(" {2,}"), "  ");
       if (std::exchange(said, text) != text) all += text;
-      if (code == 0) all += summed(path + ", " + format, content(file.path), ',');
+      if (code == 0) all += summed(path + ", " + format, test::content(file.path), ',');
     }
   }
   test::expect_golden("daemon_decode.txt", all);

@@ -4,6 +4,8 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 
 namespace lidard::test {
 
@@ -15,5 +17,10 @@ std::string shared_capture(const std::string& name) {
 }
 
 std::string project_file(const std::string& name) { return std::string(LIDARD_SOURCE_DIR "/") + name; }
+
+std::string content(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
 
 }  // namespace lidard::test

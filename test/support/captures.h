@@ -13,6 +13,9 @@ std::string shared_capture(const std::string& name);
 /// Path of a file of the project, e.g. "pcaps/demo.pcap".
 std::string project_file(const std::string& name);
 
+/// The bytes of a file; none where it cannot be read.
+std::string content(const std::string& path);
+
 }  // namespace lidard::test
 
 /// Skips the test, with a message, where the real captures are not at hand.

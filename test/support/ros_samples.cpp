@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "test/support/ros_samples.h"
 
+#include "daemon/ros/messages/convert.h"
 #include "daemon/ros/out/message_rows.h"
 
 namespace lidard::test {
@@ -22,6 +23,12 @@ PlanarScan sample_scan() {
   scan.set_hit(4, 40.0F);
   scan.intensities = {10, 20, 30, 40, 50};
   return scan;
+}
+
+sensor_msgs::LaserScan sample_message() {
+  sensor_msgs::LaserScan message;
+  to_message(sample_scan(), message);
+  return message;
 }
 
 Cloud sample_cloud(std::size_t points) {

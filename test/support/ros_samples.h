@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <sensor_msgs/LaserScan.h>
 #include <sensor_msgs/PointCloud2.h>
 
 #include <cstddef>
@@ -15,6 +16,8 @@ namespace lidard::test {
 
 /// Five beams from -1 to 1 rad: hit at 1 m, none, near, invalid, hit at 40 m; intensities 10 to 50.
 PlanarScan sample_scan();
+/// As it is published.
+sensor_msgs::LaserScan sample_message();
 /// A cloud of 16 rings with `points` distinct points, 0.1 ms apart.
 Cloud sample_cloud(std::size_t points);
 /// The message that the cloud is published as, after the host's clock was set by `step`.

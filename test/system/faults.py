@@ -66,7 +66,7 @@ WELL = {"computer": "reads what comes in time", "clock": "the host's clock runs 
 MAY_BE_SECOND = ("lossier", "no_pose", "cut")
 NOT_TESTED = {
     "a receive buffer that is too small": "root's sockets get what they ask for",
-    "a device whose settings differ or whose password is wrong": "test_velodyne_control.py, test/drivers/sick/cola read the log",
+    "a device whose settings differ or whose password is wrong": "test/drivers/velodyne/web and test/drivers/sick/cola read what is noted",
     "a firewall that drops": "test_network_silence.py, where nft is installed",
     "a thread that stands still": "test_watchdog.py",
     "no calibration file at the start": "exit status 78, no daemon that could be asked: test_reload.py",

@@ -4,17 +4,15 @@
 """The black box of a running daemon: `lidard dump`, SIGUSR1 and an error write the last packets, which replay to the scans that
 were published; a sensor that has not come yet makes no capture; SIGHUP does not end the daemon."""
 import json
-import os
 import pathlib
 import re
 import signal
-import subprocess
+import socket
 import time
 
 import rosbag
-import rospy
-from harness import LIDARD, LIDARD_SIM, expect, folder, free_port, process, ros_master, run, use_master_at, wait_for
-from sensor_msgs.msg import LaserScan
+from harness import daemon, expect, free_port, run, sim, wait_for, write
+from ros_tools import Listener, ros_test
 
 SCENE = """\
 start: 2026-01-01T00:00:00Z
@@ -66,47 +64,36 @@ def check_replay(tmp, capture, published):
 
 
 def main():
-    ports = {name: free_port() for name in ("front", "lms", "master")}
-    use_master_at(ports["master"])
-    with folder() as tmp, ros_master(ports["master"]):
-        check(tmp, ports)
+    ports = {name: free_port(socket.SOCK_DGRAM) for name in ("front", "lms")}
+    with ros_test() as (tmp, _):
+        scene, live = write(tmp / "scene.yaml", SCENE.format(**ports)), write(tmp / "live.yaml", LIVE_CONFIG.format(path=tmp / "box", **ports))
+        write(tmp / "replay.yaml", CONFIG.format(**ports))
+        published = {topic: Listener(topic).messages for topic in TOPICS}
+        with daemon(live) as child:
+            with sim(scene) as simulator:
+                wait_for(lambda: all(len(scans) > 250 for scans in published.values()), 30, "scans")
+                wait_for(lambda: "late: nothing received" in child.said(), 10, "the sensor that does not come is an error")
+                time.sleep(6)  # longer than it takes until an error is written
+                # A simulator that is starved is silent.
+                others = [line for line in child.said().splitlines() if " error: " in line and not re.search("sensor late|without late$", line)]
+                expect(others or not dumped(tmp, 1), f"a capture of a sensor that has not come yet: {child.said()}")
+                done = run("dump")
+                capture = pathlib.Path(done.stdout.strip())
+                expect(done.returncode == 0 and capture.suffix == ".pcap" and capture.exists(), done.stdout + done.stderr)
+                check_replay(tmp, capture, published)
+                events = json.loads(beside(capture).read_text())
+                expect("events" in events, str(events))
+                child.send_signal(signal.SIGHUP)
+                child.send_signal(signal.SIGUSR1)
+                wait_for(lambda: dumped(tmp, 2), 10, "the capture that SIGUSR1 asks for")
+                expect(child.poll() is None, "SIGHUP ended the daemon")
+                count = len(dumped(tmp, 1))
+                simulator.kill()
+            newest = wait_for(lambda: dumped(tmp, count + 1), 20, "a capture some seconds after the error")[-1]
+            wait_for(lambda: "in " + str(newest) in child.said(), 10, "the log says where it is")
+            expect("ERROR" in beside(newest).read_text(), "the error is among the events beside")
+            expect("live.yaml is in force" in child.said(), "the log says what became of SIGHUP")
     print("ok")
-
-
-def check(tmp, ports):
-    os.environ["LIDARD_SOCKET"] = str(tmp / "control")
-    (tmp / "scene.yaml").write_text(SCENE.format(**ports))
-    (tmp / "replay.yaml").write_text(CONFIG.format(**ports))
-    (tmp / "live.yaml").write_text(LIVE_CONFIG.format(path=tmp / "box", **ports))
-    rospy.init_node("listener", disable_signals=True, anonymous=True)
-    published = {topic: [] for topic in TOPICS}
-    for topic, scans in published.items():
-        rospy.Subscriber(topic, LaserScan, scans.append, queue_size=1000)
-    log = tmp / "log.txt"
-    with log.open("w") as sink, process([LIDARD, "run", "-c", tmp / "live.yaml"], stdout=sink, stderr=subprocess.STDOUT) as daemon:
-        with process([LIDARD_SIM, "live", tmp / "scene.yaml"], stdout=subprocess.DEVNULL) as simulator:
-            wait_for(lambda: all(len(scans) > 250 for scans in published.values()), 30, "scans")
-            wait_for(lambda: "late: nothing received" in log.read_text(), 10, "the sensor that does not come is an error")
-            time.sleep(6)  # longer than it takes until an error is written
-            # A simulator that is starved is silent.
-            others = [line for line in log.read_text().splitlines() if " error: " in line and not re.search("sensor late|without late$", line)]
-            expect(others or not dumped(tmp, 1), f"a capture of a sensor that has not come yet: {log.read_text()}")
-            done = run("dump")
-            capture = pathlib.Path(done.stdout.strip())
-            expect(done.returncode == 0 and capture.suffix == ".pcap" and capture.exists(), done.stdout + done.stderr)
-            check_replay(tmp, capture, published)
-            events = json.loads(beside(capture).read_text())
-            expect("events" in events, str(events))
-            daemon.send_signal(signal.SIGHUP)
-            daemon.send_signal(signal.SIGUSR1)
-            wait_for(lambda: dumped(tmp, 2), 10, "the capture that SIGUSR1 asks for")
-            expect(daemon.poll() is None, "SIGHUP ended the daemon")
-            count = len(dumped(tmp, 1))
-            simulator.kill()
-        newest = wait_for(lambda: dumped(tmp, count + 1), 20, "a capture some seconds after the error")[-1]
-        wait_for(lambda: "in " + str(newest) in log.read_text(), 10, "the log says where it is")
-        expect("ERROR" in beside(newest).read_text(), "the error is among the events beside")
-    expect("live.yaml is in force" in log.read_text(), "the log says what became of SIGHUP")
 
 
 if __name__ == "__main__":

@@ -3,15 +3,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """urg_node and sick_safetyscanners_node with the parameters of the nodes they stand in for, on a real master: scans come on the
 topics and in the frames of those nodes, and what has no effect is told."""
-import os
+import signal
 import socket
-import subprocess
-import xmlrpc.client
 
 import genpy.dynamic
 import rospy
-from harness import LIDARD, LIDARD_SIM, expect, folder, free_port, process, ros_master, use_master_at, wait_for
-from sensor_msgs.msg import LaserScan
+from harness import expect, expect_end, free_port, logged, named_program, sim, wait_for, write
+from ros_tools import Listener, ros_test, set_parameters
 
 SCENE = """\
 start: 2026-01-01T00:00:00Z
@@ -25,14 +23,9 @@ objects:
 """
 
 
-def start(tmp, port, executable, arguments, parameters, log):
-    program = tmp / executable
-    program.symlink_to(os.path.abspath(LIDARD))
-    master = xmlrpc.client.ServerProxy(f"http://127.0.0.1:{port}")
-    name = next(word[len("__name:="):] for word in arguments if word.startswith("__name:="))
-    for key, value in parameters.items():
-        expect(master.setParam("/test", f"/{name}/{key}", value)[0] == 1, "the master takes a parameter")
-    return process([program, *arguments], stdout=log.open("w"), stderr=subprocess.STDOUT)
+def start(tmp, port, executable, name, parameters, *arguments):
+    set_parameters(port, "/" + name, parameters)
+    return logged([named_program(tmp, executable), f"__name:={name}", *arguments], tmp / f"{name}.txt")
 
 
 def understood(message, kind, md5):
@@ -62,32 +55,22 @@ def check_typed(extended, paths):
 
 
 def main():
-    ports = {"ust": free_port(), "micro": free_port(socket.SOCK_DGRAM), "master": free_port()}
-    use_master_at(ports["master"])
-    with folder() as tmp, ros_master(ports["master"]):
-        (tmp / "scene.yaml").write_text(SCENE.format(**ports))
-        rospy.init_node("listener", disable_signals=True, anonymous=True)
-        urg, micro = [], []
-        rospy.Subscriber("/scan", LaserScan, urg.append, queue_size=100)
-        rospy.Subscriber("/left_scan", LaserScan, micro.append, queue_size=100)
-        extended, paths = [], []
-        rospy.Subscriber("/extended_laser_scan", rospy.AnyMsg, extended.append, queue_size=100)
-        rospy.Subscriber("/output_paths", rospy.AnyMsg, paths.append, queue_size=100)
-        urg_log, micro_log = tmp / "urg.txt", tmp / "micro.txt"
+    ports = {"ust": free_port(), "micro": free_port(socket.SOCK_DGRAM)}
+    with ros_test() as (tmp, master):
+        urg, micro = Listener("/scan").messages, Listener("/left_scan").messages
+        extended, paths = (Listener(topic, rospy.AnyMsg).messages for topic in ("/extended_laser_scan", "/output_paths"))
         urg_parameters = {"ip_address": "127.168.0.10", "ip_port": ports["ust"], "frame_id": "nose", "angle_min": -1.5,
                           "angle_max": 1.5, "calibrate_time": False, "publish_intensity": True, "error_limit": 2,
                           "synchronize_time": True, "anglemin": 1}
         micro_parameters = {"sensor_ip": "127.168.1.11", "host_ip": "127.0.0.1", "host_udp_port": ports["micro"],
                             "frame_id": "left", "skip": 0, "angle_start": -1.0, "angle_end": 1.0}
-        with process([LIDARD_SIM, "live", tmp / "scene.yaml"], stdout=subprocess.DEVNULL), \
-                start(tmp, ports["master"], "urg_node", ["__name:=urg_node"], urg_parameters, urg_log) as first, \
-                start(tmp, ports["master"], "sick_safetyscanners_node", ["__name:=left_scanner", "scan:=left_scan"],
-                      micro_parameters, micro_log) as second:
+        with sim(write(tmp / "scene.yaml", SCENE.format(**ports))), \
+                start(tmp, master.port, "urg_node", "urg_node", urg_parameters) as first, \
+                start(tmp, master.port, "sick_safetyscanners_node", "left_scanner", micro_parameters, "scan:=left_scan") as second:
             wait_for(lambda: len(urg) > 5 and len(micro) > 5 and len(extended) > 5 and len(paths) > 5, 40, "scans of both nodes come")
             for node in (first, second):
-                node.terminate()
-            expect([node.wait(5) for node in (first, second)] == [0, 0], "SIGTERM ends them with 0")
-        told, also_told = urg_log.read_text(), micro_log.read_text()
+                expect_end(node, signal.SIGTERM, 5)
+        told, also_told = first.said(), second.said()
     check_typed(extended[-1], paths[-1])
     for scan, frame, limit in ((urg[-1], "nose", 1.5), (micro[-1], "left", 1.0)):
         expect(scan.header.frame_id == frame, f"frame {scan.header.frame_id}")

@@ -68,8 +68,6 @@ def main():
         assert not unknown, f"{command}: completion lacks {unknown}"
     code, _, warnings = output("man", "--warnings", "-l", str(CONFIGURATION), LC_ALL="C.UTF-8", MANPAGER="cat")
     assert code == 0 and not warnings, f"man: exit {code}, {warnings}"
-    keys = output(LIDARD, "keys", "--man")[1]
-    assert keys and keys in CONFIGURATION.read_text(), f"{CONFIGURATION.name} lacks what `lidard keys --man` prints"
     for part in ("RELOAD", "SIGNALS", "ENVIRONMENT", "FILES", "TROUBLESHOOTING", "REAL TIME"):
         assert f"\n{part}\n" in text, f"the page lacks {part}"
     print(f"{len(known)} commands agree")

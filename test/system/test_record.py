@@ -3,16 +3,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """`lidard record` writes what the configured sensors send, over UDP and TCP, and nothing else."""
 import json
-import os
-import pathlib
 import socket
 import subprocess
 import sys
-import tempfile
 import threading
 import time
 
-LIDARD = os.environ["LIDARD"]
+from harness import LIDARD, SKIP, expect, folder, process, run, write
+
 DEVICE_PORT = 42112
 
 CONFIG = f"""
@@ -50,71 +48,59 @@ def traffic():
     while part := client.recv(65536):
         got += part
     server.join()
-    assert len(got) == 7000
+    expect(len(got) == 7000, f"{len(got)} bytes")
 
 
-def main():
-    with tempfile.TemporaryDirectory() as folder:
-        config, capture = pathlib.Path(folder, "vehicle.yaml"), pathlib.Path(folder, "out.pcap")
-        config.write_text(CONFIG)
-        recorder = subprocess.Popen([LIDARD, "record", "-c", config, "-o", capture, "--interface", "lo"],
-                                    stderr=subprocess.PIPE, text=True)
-        try:
-            if code := record(recorder, capture):
-                return code
-        finally:
-            recorder.kill()
-            recorder.wait()
-        return without_configuration(capture)
+def recording(*arguments):
+    return process([LIDARD, "record", *arguments, "--interface", "lo"], stderr=subprocess.PIPE, text=True)
+
+
+def begin(recorder):
+    first = recorder.stderr.readline()
+    if "CAP_NET_RAW" in first:
+        expect(recorder.wait() == 1, f"{recorder.returncode}")
+        print("skipped: recording needs CAP_NET_RAW")
+        sys.exit(SKIP)
+    expect("recording to" in first, first)
+    time.sleep(0.3)
+
+
+def recorded(recorder, capture):
+    """What the recorder says at its end, and what inspect finds."""
+    _, said = recorder.communicate(timeout=40)
+    expect(recorder.returncode == 0, said)
+    return said, json.loads(run("inspect", "--json", capture).stdout)
+
+
+def with_configuration(tmp, capture):
+    with recording("-c", write(tmp / "vehicle.yaml", CONFIG), "-o", capture) as recorder:
+        begin(recorder)
+        traffic()
+        time.sleep(2)  # until the kernel has handed over what it gathered, on a busy machine too
+        recorder.terminate()
+        said, found = recorded(recorder, capture)
+    expect("packets, 0 lost by the kernel" in said, said)
+    flows = {(f["transport"], f["sender"], f["port"]): f for f in found["unknown"] + found["sensors"]}
+    expect(flows[("udp", "127.0.0.2", 42368)]["packets"] == 100, flows)
+    expect(flows[("tcp", "127.0.0.3", DEVICE_PORT)]["bytes"] == 7000, flows)
+    expect(not any(sender == "127.0.0.9" for _, sender, _ in flows), flows)
+    expect(found["captures"][0]["tcp_missing"] == 0, found["captures"])
 
 
 def without_configuration(capture):
     """What comes to the usual ports, and nothing else."""
-    recorder = subprocess.Popen([LIDARD, "record", "-o", capture, "--interface", "lo", "--duration", "4"], stderr=subprocess.PIPE, text=True)
-    first = recorder.stderr.readline()
-    assert "recording to" in first, first
-    time.sleep(0.3)
-    sensor = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-    sensor.bind(("127.0.0.2", 0))
-    for port in (2368, 8308, 6060, 42368):
-        for _ in range(10):
-            sensor.sendto(bytes(1206), ("127.0.0.1", port))
-    _, rest = recorder.communicate(timeout=40)
-    assert recorder.returncode == 0, rest
-    said = json.loads(subprocess.run([LIDARD, "inspect", "--json", capture], capture_output=True, check=True).stdout)
-    ports = {f["port"]: f["packets"] for f in said["unknown"] + said["sensors"] if f["sender"] == "127.0.0.2"}
-    assert ports == {2368: 10, 8308: 10, 6060: 10}, ports
-    return 0
+    with recording("-o", capture, "--duration", "4") as recorder:
+        begin(recorder)
+        sensor = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        sensor.bind(("127.0.0.2", 0))
+        for port in (2368, 8308, 6060, 42368):
+            for _ in range(10):
+                sensor.sendto(bytes(1206), ("127.0.0.1", port))
+        _, found = recorded(recorder, capture)
+    ports = {f["port"]: f["packets"] for f in found["unknown"] + found["sensors"] if f["sender"] == "127.0.0.2"}
+    expect(ports == {2368: 10, 8308: 10, 6060: 10}, ports)
 
 
-def record(recorder, capture):
-    first = recorder.stderr.readline()
-    if "CAP_NET_RAW" in first:
-        recorder.wait()
-        assert recorder.returncode == 1, recorder.returncode
-        print("skipped: recording needs CAP_NET_RAW")
-        return 77
-    assert "recording to" in first, first
-    time.sleep(0.3)
-    traffic()
-    time.sleep(2)  # until the kernel has handed over what it gathered, on a busy machine too
-    recorder.terminate()
-    _, rest = recorder.communicate(timeout=40)
-    assert recorder.returncode == 0, rest
-    assert "packets, 0 lost by the kernel" in rest, rest
-    said = json.loads(subprocess.run([LIDARD, "inspect", "--json", capture], capture_output=True, check=True).stdout)
-    flows = {(f["transport"], f["sender"], f["port"]): f for f in said["unknown"] + said["sensors"]}
-    assert flows[("udp", "127.0.0.2", 42368)]["packets"] == 100, flows
-    assert flows[("tcp", "127.0.0.3", DEVICE_PORT)]["bytes"] == 7000, flows
-    assert not any(sender == "127.0.0.9" for _, sender, _ in flows), flows
-    assert said["captures"][0]["tcp_missing"] == 0, said["captures"]
-    wrong = subprocess.run([LIDARD, "record", "-c", "/no/such.yaml", "-o", "/dev/null"], capture_output=True, check=False)
-    assert wrong.returncode == 78, wrong
-    return 0
-
-
-if __name__ == "__main__":
-    try:
-        sys.exit(main())
-    except AssertionError as error:
-        sys.exit(f"FAILED: {error}")
+with folder() as tmp:
+    with_configuration(tmp, tmp / "out.pcap")
+    without_configuration(tmp / "out.pcap")

@@ -94,46 +94,6 @@ TEST_F(Check, QuestionsAnAddressThatThisHostDoesNotHave) {
   EXPECT_NE(err_.str().find("which is no address of this host"), std::string::npos) << err_.str();
 }
 
-TEST_F(Check, QuestionsAPoseInMillimetresOrDegreesThatLookLikeRad) {
-  EXPECT_EQ(
-      check(
-          "sensors:\n"
-          "  mm: {model: sick_tim7xx, ip_address: 10.0.0.1, pose: {xyz: [900, 0, 350]}}\n"
-          "  rad: {model: sick_tim7xx, ip_address: 10.0.0.2, pose: {xyz: [1, 0, 0], rpy_deg: [0, 0, "
-          "1.5708]}}\n"
-          "  fine: {model: sick_tim7xx, ip_address: 10.0.0.3, pose: {xyz: [9, 0, 3], rpy_deg: [0.2, 1.57, "
-          "90]}}\n"
-          "  also: {model: sick_tim7xx, ip_address: 10.0.0.4, pose: {xyz: [1, 0, 3], rpy: [0, 0, 1.5708]}}\n"
-          "  roof: {model: velodyne_vlp16, pose: {xyz: [0, 0, 2]}}\n"
-          "merged_scans: {all: {laserscan_topics: [mm, fine], destination_frame: f, destination_pose: {xyz: "
-          "[0, 30, 0]}}}\n"
-          "virtual_scans: {v: {cloud_topic: roof, virtual_laser_scan: [high], poses: {high: {xyz: [0, 0, "
-          "50]}}}}\n"),
-      0);
-  EXPECT_EQ(
-      err_.str(),
-      path_ + ":2:50: sensors.mm.pose is 966 m away; are its numbers in m, and not in mm?\n" + path_ +
-          ":3:74: sensors.rad.pose.rpy_deg looks like rad and is taken as degrees; in rad the key is rpy\n" +
-          path_ +
-          ":7:74: merged_scans.all.destination_pose is 30 m away; are its numbers in m, and not in mm?\n" +
-          path_ + ":8:76: virtual_scans.v.poses.high is 50 m away; are its numbers in m, and not in mm?\n");
-}
-
-TEST_F(Check, QuestionsAddressesThatNoSensorHas) {
-  EXPECT_EQ(check("sensors:\n"
-                  "  roof: {model: velodyne_vlp16, ip_address: 255.255.255.255}\n"
-                  "  front: {model: sick_lms1xx, ip_address: 0.0.0.0}\n"
-                  "  rear: {model: sick_lms1xx, ip_address: 10.0.0.0}\n"),
-            0);
-  EXPECT_EQ(
-      err_.str(),
-      path_ +
-          ":2:33: sensors.roof.ip_address is 255.255.255.255, the address of no device; set "
-          "that of the sensor\n" +
-          path_ +
-          ":3:31: sensors.front.ip_address is 0.0.0.0, the address of no device; set that of the sensor\n");
-}
-
 TEST_F(Check, QuestionsAReachBeyondEverySource) {
   const std::string sensors =
       "vehicle: {footprint: [[-1, -1], [1, -1], [1, 1]]}\n"
@@ -175,34 +135,6 @@ TEST_F(Check, QuestionsAReachThatSourcesDoNotProveWithoutReturn) {
   EXPECT_EQ(merged("hokuyo_ust_10lx", "range_max: 10, source_settings: {a: {no_return_free_range: 10}}"), "");
   EXPECT_EQ(merged("hokuyo_utm_30lx_ew", "range_max: 30"), "") << "not known";
   EXPECT_EQ(out_.str().find("no_return_free_range"), std::string::npos) << out_.str();
-}
-
-TEST_F(Check, QuestionsASectorThatTheScannerDoesNotSee) {
-  const auto sector = [&](const std::string& keys) {
-    err_.str("");
-    EXPECT_EQ(check("sensors: {a: {model: sick_microscan3, ip_address: 10.0.0.1, " + keys + "}}\n"), 0);
-    return err_.str();
-  };
-  for (const char* fine :
-       {"angle_min: 0, angle_max: 6.2832", "angle_min: -3.14, angle_max: 3.14",
-        "angle_min_deg: -140, angle_max_deg: 140", "angle_min_deg: 0, angle_max_deg: 180", "angle_min: 0.5"})
-    EXPECT_EQ(sector(fine), "");
-  const auto says = [&](const std::string& sentence) {
-    return err_.str().find(sentence) != std::string::npos;
-  };
-  sector("angle_min_deg: 90, angle_max_deg: 270");
-  EXPECT_TRUE(
-      says("sensors.a.angle_min_deg begins a sector of 180 deg, of which only 94 are in the "
-           "view of the scanner, -137.5 to 137.5 deg"))
-      << err_.str();
-  sector("angle_min_deg: 150, angle_max_deg: -150");
-  EXPECT_TRUE(says("begins a sector of 60 deg, of which only 0 are")) << err_.str();
-  check(
-      "sensors: {a: {model: sick_microscan3, ip_address: 10.0.0.1}}\nmerged_scans: {m: {laserscan_topics: "
-      "[a], "
-      "source_settings: {a: {angle_min_deg: 150, angle_max_deg: 200}}}}\n");
-  EXPECT_TRUE(says("source_settings.a.angle_min_deg begins a sector of 50 deg, of which only 0 are"))
-      << err_.str();
 }
 
 TEST_F(Check, QuestionsAVirtualScanThatBeginsWhereItsLidarIsBlind) {

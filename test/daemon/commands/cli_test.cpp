@@ -64,10 +64,7 @@ const std::string demo_config = project_file("config/demo.yaml");
 class CommandLine : public ::testing::Test {
  protected:
   ~CommandLine() override { std::remove(file_.c_str()); }
-  std::string written() const {
-    std::ifstream file(file_, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
+  std::string written() const { return content(file_); }
   const std::string file_ = ::testing::TempDir() + "lidard-cli-" + std::to_string(getpid());
 };
 
@@ -204,8 +201,7 @@ TEST_F(CommandLine, DrawsWhatItsOptionsSay) {
     std::vector<std::string> words = {"snapshot", "-c", demo_config, "--pcap", demo, "-o", file_ + end};
     words.insert(words.end(), more);
     const Answer answer = lidard(words);
-    std::ifstream file(file_ + end, std::ios::binary);
-    const std::string drawn{std::istreambuf_iterator<char>(file), {}};
+    const std::string drawn = content(file_ + end);
     std::remove((file_ + end).c_str());
     return answer.exit == exit_ok ? drawn : "exit " + std::to_string(answer.exit) + ": " + answer.err;
   };

@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -38,10 +37,7 @@ class DecodedFile {
   DecodedFile& operator=(const DecodedFile&) = delete;
   ~DecodedFile() { std::remove(path_.c_str()); }
 
-  std::string text() const {
-    std::ifstream file(path_, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
+  std::string text() const { return test::content(path_); }
   const std::string& path() const { return path_; }
 
   std::string summary;

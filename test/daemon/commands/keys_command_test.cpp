@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -25,10 +24,7 @@ std::string printed(KeysFormat format) {
   return out.str();
 }
 
-std::string file(const std::string& path) {
-  std::ifstream stream(test::project_file(path));
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
+std::string file(const std::string& path) { return test::content(test::project_file(path)); }
 
 const nlohmann::json& all_keys() {
   static const nlohmann::json keys = nlohmann::json::parse(printed(KeysFormat::json));

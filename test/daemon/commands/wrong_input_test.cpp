@@ -34,17 +34,6 @@ class WrongInput : public ::testing::Test {
   std::ostringstream out_, err_;
 };
 
-TEST_F(WrongInput, DecodeNamesTheSendersThatThereAre) {
-  DecodeOptions options;
-  options.capture = capture_;
-  options.source = IpAddress::v4(10, 9, 9, 9);
-  options.output = folder_ + "x.csv";
-  EXPECT_EQ(run_decode(options, err_), exit_failed);
-  EXPECT_THAT(err_.str(),
-              AllOf(HasSubstr("no lidar's packets with this --source and --port, but there are:\n"),
-                    HasSubstr("velodyne_vlp16")));
-}
-
 TEST_F(WrongInput, SnapshotNamesTheLidarOfTheCapture) {
   SnapshotOptions options;
   options.config = config("sensors: {a: {model: velodyne_vlp32c, ip_port: 7000, telemetry_port: 0}}\n");

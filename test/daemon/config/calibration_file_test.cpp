@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <fstream>
 #include <iterator>
 #include <random>
 #include <regex>
@@ -94,8 +93,7 @@ TEST_P(SharedCalibration, PlacesReturnsLikeTheEquationsOfEachModel) {
   EXPECT_EQ(warnings.size(), shared.warnings) << ::testing::PrintToString(warnings);
   EXPECT_EQ(calibration.distance_step_m, shared.step_m);
   EXPECT_EQ(calibration.model, CalibrationModel::ros_drivers);
-  std::ifstream file(path);
-  const auto expected = read_independently({std::istreambuf_iterator<char>(file), {}});
+  const auto expected = read_independently(test::content(path));
   ASSERT_EQ(expected.size(), shared.lasers);
   ASSERT_EQ(calibration.lasers.size(), shared.lasers);
   compare(calibration, expected, false, test::place_like_ros_drivers);

@@ -60,8 +60,6 @@ TEST(CloudConfig, RefusesRangesAndViewsThatHoldNothing) {
 }
 
 TEST(CloudConfig, RemovedKeysNameWhatToDoInstead) {
-  EXPECT_THAT(error_of(roof_cloud("frame_cut: view")),
-              StartsWith("f:1:38: sensors.a.frame_cut is a key of former versions; expected cut_angle: "));
   for (const char* key : {"frame_duration", "publish_confidence", "publish_echo"})
     EXPECT_THAT(error_of(roof_cloud(std::string(key) + ": true")), HasSubstr("is a key of former versions"))
         << key;
@@ -167,23 +165,6 @@ TEST(CloudConfig, PlanarScannersHaveNoSuchKeysButTheirTopic) {
               HasSubstr("is not available for sick_microscan3, only for Velodynes"));
   EXPECT_EQ(sensor_of("scan_topic: front", "sick_microscan3").scan_topic, "front");
   EXPECT_EQ(sensor_of("ip_port: 6060", "sick_microscan3").scan_topic, "a/scan");
-}
-
-TEST(CloudConfig, IsWrittenAndReadBackTheSame) {
-  for (const char* keys :
-       {"cut_angle: 1, min_range: 0.4, max_range: 70, view_direction: -0.5, view_width: 1",
-        "organize_cloud: firings, frame_stamp: last", "organize_cloud: true, telemetry_port: 0",
-        "scan_ring: auto, scan_resolution: 0.007, scan_topic: level, points_topic: velodyne_points",
-        "packet_topic: velodyne_packets", "raw_topic: velodyne_packets"}) {
-    const Config config = parse_config(roof_cloud(keys, "velodyne_vls128"), "f");
-    const std::string yaml = to_yaml(config);
-    EXPECT_EQ(to_yaml(parse_config(yaml, "g")), yaml) << keys;
-    EXPECT_THAT(yaml, HasSubstr("points_topic: "));
-  }
-  const std::string yaml = to_yaml(parse_config(roof_cloud("scan_ring: auto, organize_cloud: true"), "f"));
-  for (const char* line : {"    cut_angle: 0\n", "    scan_ring: 8\n", "    organize_cloud: rings\n",
-                           "    frame_stamp: first\n", "    telemetry_port: 8308\n"})
-    EXPECT_THAT(yaml, HasSubstr(line));
 }
 
 }  // namespace

@@ -18,15 +18,13 @@ TEST(ColaConfig, AsksForNothingByDefault) {
   EXPECT_EQ(config.sensors[0].ip_port, 2112);
 }
 
-TEST(ColaConfig, TakesItsKeysAndPrintsThemAgain) {
+TEST(ColaConfig, TakesItsKeys) {
   for (const std::string model : {"sick_lms5xx", "sick_mrs1000"}) {
     const Config config = parse_config(
         "sensors: {a: {model: " + model + ", ip_address: 192.168.0.1, skip: 2, publish_states: true}}", "f");
     const DeviceRequests& requests = config.sensors.at(0).driver.requests;
     EXPECT_EQ(requests.skip, 2);
     EXPECT_TRUE(requests.device_states);
-    const std::string yaml = to_yaml(config);
-    EXPECT_EQ(to_yaml(parse_config(yaml, "g")), yaml);
   }
 }
 

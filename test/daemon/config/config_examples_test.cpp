@@ -6,7 +6,6 @@
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <iterator>
 #include <nlohmann/json.hpp>
@@ -33,9 +32,7 @@ std::vector<std::string> examples() {
 
 /// The text of an example in which each option, a line like `# skip: 1`, is switched on.
 std::string with_options(const std::string& path) {
-  std::ifstream file(path);
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
-  return std::regex_replace(text, std::regex("\n( +)# ([a-z_]+: )"), "\n$1$2");
+  return std::regex_replace(test::content(path), std::regex("\n( +)# ([a-z_]+: )"), "\n$1$2");
 }
 
 /// The rows of the key tables, each as section.key; sections as `lidard keys` names them.

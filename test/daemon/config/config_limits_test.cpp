@@ -107,32 +107,5 @@ INSTANTIATE_TEST_SUITE_P(Config, ConfigLimits, testing::ValuesIn(limits()), [](c
   return name;
 });
 
-TEST(ConfigLists, HaveTheNumberOfElementsThatTheyNeed) {
-  const auto pose = [](const std::string& xyz) {
-    return error_of("sensors: {a: {topic: /a, pose: {xyz: " + xyz + "}}}");
-  };
-  EXPECT_EQ(pose("[1, 2, 3]"), "no error");
-  for (const char* bad : {"[1, 2]", "[1, 2, 3, 4]", "[]", "1", "[a, 2, 3]"})
-    EXPECT_THAT(pose(bad), testing::AllOf(testing::StartsWith("f:1:"), HasSubstr("xyz"))) << bad;
-  const auto outline = [](const std::string& list) {
-    return error_of("vehicle: {footprint: " + list + "}\nsensors: {a: {topic: /a}}");
-  };
-  EXPECT_EQ(outline("[[0, 0], [1, 0], [0, 1]]"), "no error");
-  EXPECT_EQ(outline("[]"), "no error");
-  for (const char* bad : {"[[0, 0], [1, 0]]", "[[0, 0], [1, 0], [2, 0]]", "[[0, 0], [1, 1], [1, 0], [0, 1]]",
-                          "[[0, 0], [0, 0], [1, 0], [0, 1]]", "[[0, 0, 0], [1, 0], [0, 1]]"})
-    EXPECT_THAT(outline(bad), testing::AllOf(testing::StartsWith("f:1:"), HasSubstr("footprint"))) << bad;
-}
-
-TEST(ConfigLists, AnOutlineMayTouchButNotCrossItself) {
-  const auto outline = [](const std::string& list) {
-    return error_of("vehicle: {footprint: " + list + "}\nsensors: {a: {topic: /a}}");
-  };
-  EXPECT_EQ(outline("[[0, 0], [4, 0], [4, 4], [2, 1], [0, 4]]"), "no error") << "hollow";
-  EXPECT_THAT(outline("[[0, 0], [4, 0], [4, 4], [2, -1], [0, 4]]"), HasSubstr("crosses"));
-  EXPECT_THAT(outline("[[0, 0], [4, 0], [4, 4], [2, 0], [0, 4]]"), HasSubstr("crosses"))
-      << "a vertex on an edge";
-}
-
 }  // namespace
 }  // namespace lidard

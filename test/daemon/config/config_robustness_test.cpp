@@ -4,7 +4,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <fstream>
 #include <iterator>
 #include <random>
 #include <regex>
@@ -33,10 +32,7 @@ bool is_accepted(const std::string& text) {
   return false;
 }
 
-std::string example() {
-  std::ifstream file(test::project_file("config/demo.yaml"));
-  return {std::istreambuf_iterator<char>(file), {}};
-}
+std::string example() { return test::content(test::project_file("config/demo.yaml")); }
 
 TEST(ConfigRobustness, RandomBytesGiveAPlacedError) {
   const std::string marks = " \n:-[]{},#&*!|>'\"%@`ab?";

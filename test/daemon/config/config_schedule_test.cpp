@@ -104,23 +104,5 @@ TEST(MotionConfig, HasOneSource) {
       "f:1:11: vehicle.imu_topic stands alone; expected imu_topic (turn rates) and speed_topic together");
 }
 
-TEST(ScheduleConfig, IsWrittenAndReadBack) {
-  const Config config =
-      parse(sensors +
-            "merged_scans: {m: {laserscan_topics: [a, b], rate: 20, deadline: 0.01, lost_after: 0.3, "
-            "status_topic: s, on_missing_motion: drop, source_settings: {b: {range_max: 9}}}}\n");
-  const Config again = parse_config(to_yaml(config), "again");
-  const MergedScanConfig& a = config.merged_scans[0];
-  const MergedScanConfig& b = again.merged_scans[0];
-  EXPECT_EQ(b.schedule.policy, Policy::rate);
-  EXPECT_EQ(b.schedule.rate, a.schedule.rate);
-  EXPECT_EQ(b.schedule.deadline, a.schedule.deadline);
-  EXPECT_EQ(b.schedule.lost_after, a.schedule.lost_after);
-  EXPECT_EQ(b.status_topic, "s");
-  EXPECT_EQ(b.on_missing_motion, MissingMotion::drop);
-  EXPECT_EQ(b.source_settings.at("b").range_max, 9);
-  EXPECT_EQ(to_yaml(again), to_yaml(config));
-}
-
 }  // namespace
 }  // namespace lidard

@@ -4,10 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <fstream>
 #include <regex>
 #include <set>
-#include <sstream>
 
 #include "daemon/config/config.h"
 #include "drivers/registry/registry.h"
@@ -19,10 +17,9 @@ namespace {
 using Names = std::set<std::string>;
 
 std::string text_of(const std::string& file) {
-  std::stringstream text;
-  text << std::ifstream(test::project_file(file)).rdbuf();
-  EXPECT_GT(text.str().size(), 1000U) << file;
-  return text.str();
+  const std::string text = test::content(test::project_file(file));
+  EXPECT_GT(text.size(), 1000U) << file;
+  return text;
 }
 
 /// The last parts of the topics that a sensor of this model has with everything switched on.

@@ -17,12 +17,23 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-/// A scanner in the frame `laser`, and a node that publishes a transform.
+/// A launch file of nodes: name, package, type, remaps, parameters.
+LaunchNode node(const char* name, const char* package, const char* type, const NodeParameters& parameters,
+                const std::map<std::string, std::string>& remaps = {}) {
+  return {name, package, type, "/", {}, remaps, parameters};
+}
+
+ImportedConfig from_nodes(const std::vector<LaunchNode>& nodes) { return import_nodes({nodes, {}, {}}); }
+
+LaunchNode transform(const std::vector<std::string>& arguments, const char* package = "tf") {
+  return {"/publisher", package, "static_transform_publisher", "/", arguments, {}, {}};
+}
+
+/// In the frame `laser`.
+const LaunchNode scanner = node("/scanner", "urg_node", "urg_node", {{"ip_address", "192.168.0.10"}});
+
 ImportedConfig imported(const std::vector<std::string>& arguments) {
-  LaunchFile launch;
-  launch.nodes.push_back({"/scanner", "urg_node", "urg_node", "/", {}, {}, {{"ip_address", "192.168.0.10"}}});
-  launch.nodes.push_back({"/publisher", "tf", "static_transform_publisher", "/", arguments, {}, {}});
-  return import_nodes(launch);
+  return from_nodes({scanner, transform(arguments)});
 }
 
 /// The pose of the scanner; nothing: it has none.
@@ -45,25 +56,12 @@ TEST(Import, AcceptsSevenNumbersAsAPoseWithAQuaternion) {
 }
 
 TEST(Import, EveryTransformIsAPoseOrARemark) {
-  LaunchFile launch;
-  launch.nodes.push_back({"/scanner", "urg_node", "urg_node", "/", {}, {}, {{"ip_address", "192.168.0.10"}}});
-  launch.nodes.push_back(
-      {"/planes",
-       "ira_laser_tools",
-       "laserscan_virtualizer",
-       "/",
-       {},
-       {},
-       {{"cloud_topic", "/points"}, {"base_frame", "/base"}, {"virtual_laser_scan", "/low"}}});
+  std::vector<LaunchNode> nodes{
+      scanner, node("/planes", "ira_laser_tools", "laserscan_virtualizer",
+                    {{"cloud_topic", "/points"}, {"base_frame", "/base"}, {"virtual_laser_scan", "/low"}})};
   for (const char* child : {"laser", "low", "imu"})
-    launch.nodes.push_back({"/t",
-                            "tf",
-                            "static_transform_publisher",
-                            "/",
-                            {"0", "0", "1", "0", "0", "0", "base", child},
-                            {},
-                            {}});
-  const ImportedConfig imported = import_nodes(launch);
+    nodes.push_back(transform({"0", "0", "1", "0", "0", "0", "base", child}));
+  const ImportedConfig imported = from_nodes(nodes);
   const Config config = parse_config(imported.keys.yaml(), "f");
   ASSERT_TRUE(config.sensors.at(0).pose);
   EXPECT_EQ(config.virtual_scans.at(0).poses.size(), 1U) << "without the slash of tf 1";
@@ -72,18 +70,11 @@ TEST(Import, EveryTransformIsAPoseOrARemark) {
 }
 
 TEST(Import, NamesTheFramesOfALoop) {
-  LaunchFile launch;
-  launch.nodes.push_back({"/scanner", "urg_node", "urg_node", "/", {}, {}, {{"ip_address", "192.168.0.10"}}});
+  std::vector<LaunchNode> nodes{scanner};
   for (const auto& [parent, child] : {std::pair("base", "laser"), {"map", "base"}, {"laser", "map"}})
-    launch.nodes.push_back({"/t",
-                            "tf",
-                            "static_transform_publisher",
-                            "/",
-                            {"0", "0", "1", "0", "0", "0", parent, child},
-                            {},
-                            {}});
+    nodes.push_back(transform({"0", "0", "1", "0", "0", "0", parent, child}));
   try {
-    import_nodes(launch);
+    from_nodes(nodes);
     FAIL();
   } catch (const ConfigError& error) {
     EXPECT_THAT(error.what(), HasSubstr("form a loop: map in laser in base in map;"));
@@ -105,9 +96,7 @@ TEST(Import, SaysWhichTransformsItCannotRead) {
 
 /// The node of a parameter file.
 ImportedConfig from_parameters(const std::string& name, const NodeParameters& parameters) {
-  LaunchFile launch;
-  launch.nodes.push_back({name, "", "", "/", {}, {}, parameters});
-  return import_nodes(launch);
+  return from_nodes({node(name.c_str(), "", "", parameters)});
 }
 
 Config parsed(const ImportedConfig& imported) { return parse_config(imported.keys.yaml(), "f"); }
@@ -180,18 +169,6 @@ TEST(Import, AVelodyneOfNebulaHasItsPortsAndNoPermissionToWrite) {
   EXPECT_THAT(imported.changes, Contains(HasSubstr("~return_mode (Dual)")));
 }
 
-/// A launch file of nodes: name, package, type, remaps, parameters.
-LaunchNode node(const char* name, const char* package, const char* type, const NodeParameters& parameters,
-                const std::map<std::string, std::string>& remaps = {}) {
-  return {name, package, type, "/", {}, remaps, parameters};
-}
-
-ImportedConfig from_nodes(const std::vector<LaunchNode>& nodes) { return import_nodes({nodes, {}, {}}); }
-
-LaunchNode transform(const std::vector<std::string>& arguments, const char* package = "tf") {
-  return {"/publisher", package, "static_transform_publisher", "/", arguments, {}, {}};
-}
-
 TEST(Import, ACalibrationIsLeftOutWhereTheModelHasThatTable) {
   const auto text = [](const char* model, const char* file) {
     return from_parameters("/velodyne_transform_node", {{"model", model}, {"calibration", file}}).keys.yaml();
@@ -234,14 +211,9 @@ TEST(Import, AScannerAtASerialPortIsRefusedByThatReason) {
               ElementsAre(HasSubstr("serial"), HasSubstr("serial"), HasSubstr("USB"), HasSubstr("USB")));
 }
 
-const LaunchNode velodyne = {"/driver",
-                             "velodyne_driver",
-                             "velodyne_node",
-                             "/",
-                             {},
-                             {},
-                             {{"model", "VLP16"}, {"frame_id", "velodyne"}}};
-const LaunchNode points = {"/points", "velodyne_pointcloud", "transform_node", "/", {}, {}, {}};
+const LaunchNode velodyne =
+    node("/driver", "velodyne_driver", "velodyne_node", {{"model", "VLP16"}, {"frame_id", "velodyne"}});
+const LaunchNode points = node("/points", "velodyne_pointcloud", "transform_node", {});
 
 TEST(Import, AFlatScanOfACloudIsAVirtualScan) {
   const ImportedConfig imported =

@@ -198,10 +198,8 @@ TEST(Moving, EachRowOfTheTableIsRead) {
 }
 
 TEST(Moving, ThePageOfTheManualHasTheTables) {
-  std::ifstream page(test::project_file("config/doc/moving_over.md"));
-  std::stringstream text;
-  text << page.rdbuf();
-  EXPECT_THAT(text.str(), HasSubstr(moved_markdown())) << "lidard import --tables";
+  EXPECT_THAT(test::content(test::project_file("config/doc/moving_over.md")), HasSubstr(moved_markdown()))
+      << "lidard import --tables";
 }
 
 TEST(Moving, AParameterAtItsDefaultIsNoWarning) {

@@ -13,7 +13,6 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -118,10 +117,7 @@ class Pictures : public ::testing::Test {
     std::ofstream(path("view.png"), std::ios::binary) << draw_snapshot({view}, PictureFormat::png);
     return read_png(path("view.png"));
   }
-  std::string content(const std::string& name) const {
-    std::ifstream file(path(name), std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
+  std::string content(const std::string& name) const { return test::content(path(name)); }
   /// Each capture below a folder gives a picture with colours in it or, where `some_hold_nothing`, a reason.
   void expect_pictures(const std::string& below, bool some_hold_nothing) {
     std::size_t drawn = 0;

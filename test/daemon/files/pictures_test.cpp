@@ -38,8 +38,7 @@ TEST_F(Pictures, OfASensorWithoutItsCalibrationWarnAsDecodeDoes) {
 
 TEST_F(Pictures, OfAPartOfATurnShowItAndSaySo) {
   // 0.1 s of a VLP-16 at 10 Hz has a turn; the first third of it has none.
-  std::ifstream whole(project_file("pcaps/vlp16_last.pcap"), std::ios::binary);
-  std::string bytes{std::istreambuf_iterator<char>(whole), {}};
+  std::string bytes = test::content(project_file("pcaps/vlp16_last.pcap"));
   constexpr std::size_t header = 24, record = 16 + 42 + 1206;
   bytes.resize(header + 25 * record);
   std::ofstream(path("part.pcap"), std::ios::binary) << bytes;
@@ -188,15 +187,6 @@ TEST_F(Pictures, SayWhenAVirtualScanIsOlderThanTheScansBesideIt) {
   // The demo's VLP-16 gives ten clouds a second, its scanners 25 scans.
   EXPECT_THAT(content("x.svg"),
               ::testing::ContainsRegex("bumper: virtual.*taken 0\\.[0-9]+ s before the scans"));
-}
-
-TEST_F(Pictures, OfAnotherFormatAreRefused) {
-  for (const char* output : {"x.jpg", "x.gif", "png", ""}) {
-    SnapshotOptions options = of_demo();
-    options.output = output;
-    EXPECT_EQ(draw(options), exit_usage) << output;
-    EXPECT_THAT(said, HasSubstr("neither a .png nor a .svg"));
-  }
 }
 
 }  // namespace

@@ -180,37 +180,6 @@ TEST(SensorHealth, TellsACoveredSensor) {
             "the same");
 }
 
-TEST(SensorHealth, SaysNothingOfSilenceInTheFirstSecond) {
-  const Stamp begin{1'767'226'643'000'000'000};
-  Room room;
-  for (int ms = 0; ms < 1000; ms += 100) {
-    room.pipeline.tick(room.now = begin + std::chrono::milliseconds(ms));
-    EXPECT_EQ(room.item().health, Health::ok) << ms;
-    EXPECT_THAT(room.item().message, HasSubstr("waiting for data from any sender to port 2368"));
-  }
-  room.pipeline.tick(room.now = begin + std::chrono::seconds(1));
-  EXPECT_EQ(room.item().health, Health::error);
-  EXPECT_THAT(room.item().message, HasSubstr("nothing received from any sender to port 2368"));
-}
-
-TEST(SensorHealth, TakesAJumpOfTheClockForABeginningAndNoticesSilenceAfterIt) {
-  for (const auto jump : {std::chrono::seconds(3600), std::chrono::seconds(-3600)}) {
-    Room room;
-    const auto& packets = twelve_seconds();
-    for (std::size_t i = 0; i < 4000; ++i) room.give(packets[i].bytes, packets[i].arrival);
-    room.now = room.now + jump;
-    for (int ms = 0; ms < 900; ms += 100) {
-      room.pipeline.tick(room.now);
-      EXPECT_NE(room.item().health, Health::error) << ms;
-      room.now = room.now + std::chrono::milliseconds(100);
-    }
-    for (int ms = 0; ms < 3500; ms += 100)
-      room.pipeline.tick(room.now = room.now + std::chrono::milliseconds(100));
-    EXPECT_EQ(room.item().health, Health::error);
-    EXPECT_THAT(room.item().message, HasSubstr("silent: nothing received"));
-  }
-}
-
 /// No connection; its presence says that the packets are live.
 class NoConnections final : public DeviceConnections {
  public:

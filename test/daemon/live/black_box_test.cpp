@@ -17,6 +17,7 @@
 
 #include "test/drivers/capture/pcap_testing.h"
 #include "test/support/says.h"
+#include "test/support/captures.h"
 
 namespace lidard {
 namespace {
@@ -97,8 +98,7 @@ TEST_F(BlackBoxTest, WritesWhatCameInTheLastSecondsWithTheEventsBeside) {
   EXPECT_EQ(found.payloads.back(), "packet 299");
   EXPECT_EQ(found.stamps.back(), begin + milliseconds(29'900));
   EXPECT_EQ(found.flows.front(), "192.168.1.201:2368 > 192.168.1.77:2369");
-  std::ifstream events(fs::path(path).replace_extension(".events.json"));
-  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(events), {}), "[events]");
+  EXPECT_EQ(test::content(fs::path(path).replace_extension(".events.json")), "[events]");
   EXPECT_EQ(files().size(), 2U) << "nothing half written is left";
 }
 

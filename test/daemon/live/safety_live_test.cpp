@@ -10,6 +10,7 @@
 #include "test/drivers/sick/safety/ms3_encoder.h"
 #include "test/sim/servers/safety_device.h"
 #include "test/sim/servers/udp_sender.h"
+#include "test/support/ros_master.h"
 #include "test/support/starved.h"
 
 namespace lidard::test {
@@ -68,21 +69,13 @@ struct ScannerBench final : LiveBench {
   Scanner& scanner;
 };
 
-/// A port nobody listens on now.
-std::uint16_t free_udp_port() {
-  boost::asio::io_context io;
-  UdpSource probe(io, UdpOptions(), [](std::vector<Packet>&) {});
-  probe.start();
-  return probe.local_port();
-}
-
 Config config_of(const Model& model, bool write) {
   Config config;
   SensorConfig sensor;
   sensor.name = sensor.frame_id = sensor.driver.frame_id = "front";
   sensor.model = sensor.driver.model = &model;
   sensor.ip_address = any_port.address;
-  sensor.ip_port = free_udp_port();
+  sensor.ip_port = free_port();
   sensor.driver.requests.host_address = any_port.address;
   sensor.driver.requests.host_port = sensor.ip_port;
   sensor.driver.requests.allow_write = write;

@@ -2,10 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/live/tcp_connections.h"
 
-#include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/socket.h>
 #include <unistd.h>
 
 #include <filesystem>
@@ -14,7 +12,9 @@
 #include "daemon/pipeline/frame_tree.h"
 #include "test/daemon/live/live_bench.h"
 #include "test/support/says.h"
+#include "test/support/ros_master.h"
 #include "test/support/tcp_peer.h"
+#include "test/support/udp_peer.h"
 
 namespace lidard::test {
 namespace {
@@ -85,7 +85,7 @@ TEST(TcpConnections, NameWhatIsWrongWithThisHostBeforeTheConnectionBreaks) {
 TEST(TcpConnections, SayThatADialogueThatFailedIsBegunAgain) {
   TcpBench t;
   ASSERT_TRUE(t.b.until([&] { return t.b.driver.dialogues == 1 && t.peer.accept(); }));
-  t.b.links.disconnect(0, true);
+  t.b.connections.disconnect(0, true);
   EXPECT_THAT(t.b.message(0), test::Says(says::dialogue_failed));
 }
 
@@ -163,40 +163,6 @@ TEST(TcpConnections, DialTheSenderWhereNoAddressIsConfiguredAndNobodyInListenOnl
   }
 }
 
-/// A sensor's stand-in that sends numbered datagrams over loopback.
-class Sender {
- public:
-  explicit Sender(std::uint16_t port) : fd_(socket(AF_INET, SOCK_DGRAM, 0)) {
-    to_.sin_family = AF_INET;
-    to_.sin_port = htons(port);
-    to_.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  }
-  ~Sender() { close(fd_); }
-  Sender(const Sender&) = delete;
-  Sender& operator=(const Sender&) = delete;
-  void send() {
-    sendto(fd_, "data", 4, 0, reinterpret_cast<const sockaddr*>(&to_), sizeof to_);
-    ++sent;
-  }
-  std::uint64_t sent = 0;
-
- private:
-  int fd_;
-  sockaddr_in to_{};
-};
-
-/// A UDP port that nobody uses now.
-std::uint16_t free_port() {
-  const int fd = socket(AF_INET, SOCK_DGRAM, 0);
-  sockaddr_in address{};
-  socklen_t size = sizeof address;
-  address.sin_family = AF_INET;
-  EXPECT_EQ(bind(fd, reinterpret_cast<const sockaddr*>(&address), size), 0);
-  EXPECT_EQ(getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size), 0);
-  close(fd);
-  return ntohs(address.sin_port);
-}
-
 std::size_t open_files() {
   const std::filesystem::directory_iterator files("/proc/self/fd");
   return static_cast<std::size_t>(std::distance(begin(files), end(files)));
@@ -219,9 +185,11 @@ TEST(TcpConnections, LoseNothingOfOtherSensorsAndLeakNothingWhileOneDisconnectsA
   TcpOptions options;
   options.first_retry = options.last_retry = milliseconds(0);
   Bench b(config, options);
-  Sender sender(other.port);
+  const UdpPeer sender;
+  std::uint64_t sent = 0;
   const auto turn = [&] {
-    sender.send();
+    sender.send(other.port, ByteView("data"));
+    ++sent;
     b.io.restart();
     b.io.run_for(milliseconds(1));
   };
@@ -244,7 +212,7 @@ TEST(TcpConnections, LoseNothingOfOtherSensorsAndLeakNothingWhileOneDisconnectsA
   }
   b.run(milliseconds(100));
   EXPECT_EQ(b.sink.count("front/scan"), 1100U);
-  EXPECT_EQ(b.pipeline.status(b.pipeline.now()).sensors[1].counters.packets, sender.sent);
+  EXPECT_EQ(b.pipeline.status(b.pipeline.now()).sensors[1].counters.packets, sent);
   EXPECT_LE(open_files(), files);
 #ifndef __SANITIZE_ADDRESS__  // which keeps for a while what was freed, and finds leaks itself
   EXPECT_LE(resident() - memory, 512);
@@ -259,24 +227,6 @@ Packet chunk(std::string_view bytes, const Endpoint& from, const Endpoint& to, b
   out.to = to;
   out.stream_start = start;
   return out;
-}
-
-TEST(PipelineOfConnections, TakesWhatTheDeviceSentOutOfACaptureAndNothingElse) {
-  const Model model = line_model(Transport::tcp, 2112);
-  Config config;
-  const Endpoint device{IpAddress::v4(192, 168, 0, 1), 2112}, host{IpAddress::v4(192, 168, 0, 9), 40000};
-  const Endpoint other{IpAddress::v4(192, 168, 0, 2), 2112}, web{IpAddress::v4(192, 168, 0, 2), 80};
-  config.sensors.push_back(line_sensor(model, "front", device.address));
-  NoTransforms poses;
-  RecordingSink sink;
-  Pipeline pipeline(config, poses, sink);
-  pipeline.packet(chunk("hello\n", host, device, true));
-  pipeline.packet(chunk("scan\nsc", device, host, true));
-  pipeline.packet(chunk("scan\n", other, host, true));
-  pipeline.packet(chunk("GET", web, host, true));
-  pipeline.packet(chunk("an\n", device, host));
-  EXPECT_EQ(sink.count("front/scan"), 2U);
-  EXPECT_THAT(pipeline.unclaimed_senders(), ElementsAre("192.168.0.2:2112 over TCP (1 packets)"));
 }
 
 TEST(PipelineOfConnections, NeverMixesTwoConnectionsToOneDevice) {

@@ -2,12 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/live/udp_ports.h"
 
-#include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <spdlog/sinks/ostream_sink.h>
 #include <spdlog/spdlog.h>
-#include <sys/socket.h>
 #include <unistd.h>
 
 #include <boost/asio/io_context.hpp>
@@ -15,39 +13,13 @@
 
 #include "test/support/recording_sink.h"
 #include "test/support/ros_master.h"
+#include "test/support/udp_peer.h"
 
 namespace lidard::test {
 namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-
-/// A socket of somebody else.
-class Somebody {
- public:
-  Somebody() : fd_(socket(AF_INET, SOCK_DGRAM, 0)) {}
-  ~Somebody() { close(fd_); }
-  Somebody(const Somebody&) = delete;
-  Somebody& operator=(const Somebody&) = delete;
-  bool take(std::uint16_t port) const {
-    const sockaddr_in at = address(port, INADDR_ANY);
-    return bind(fd_, reinterpret_cast<const sockaddr*>(&at), sizeof at) == 0;
-  }
-  void send(std::uint16_t port, const std::string& bytes) const {
-    const sockaddr_in to = address(port, INADDR_LOOPBACK);
-    sendto(fd_, bytes.data(), bytes.size(), 0, reinterpret_cast<const sockaddr*>(&to), sizeof to);
-  }
-
- private:
-  static sockaddr_in address(std::uint16_t port, std::uint32_t host) {
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_port = htons(port);
-    address.sin_addr.s_addr = htonl(host);
-    return address;
-  }
-  int fd_;
-};
 
 /// What is logged meanwhile.
 class Logged {
@@ -129,9 +101,9 @@ TEST(UdpPorts, AreOneForEachPortOfDataAndTelemetryHoweverManySensorsSendThere) {
 TEST(UdpPorts, HandOnWhatTheSensorSendsAndCountWhatOthersSend) {
   const std::uint16_t port = free_port();
   Ports open("sensors: {" + roof(port) + "}");
-  const Somebody sender;
-  sender.send(port, "hello");
-  sender.send(port, "you");
+  const UdpPeer sender;
+  sender.send(port, ByteView("hello"));
+  sender.send(port, ByteView("you"));
   ASSERT_TRUE(open.until([&] { return open.received.size() == 2; }));
   EXPECT_THAT(open.received, ElementsAre(std::pair(port, std::size_t{5}), std::pair(port, std::size_t{3})));
   for (const DiagnosticItem& item : open.items()) {
@@ -146,12 +118,12 @@ TEST(UdpPorts, HandOnWhatTheSensorSendsAndCountWhatOthersSend) {
 
   const std::uint16_t other = free_port();
   Ports closed("sensors: {" + roof(other, ", ip_address: 127.0.0.9") + "}");
-  for (int i = 0; i < 20; ++i) sender.send(other, "stranger");
+  for (int i = 0; i < 20; ++i) sender.send(other, ByteView("stranger"));
   EXPECT_TRUE(closed.until([&] {
     for (const DiagnosticItem& item : closed.items())
       if (item.name == "port " + std::to_string(other) && value_of(item, "From unknown senders") != "0")
         return true;
-    sender.send(other, "stranger");
+    sender.send(other, ByteView("stranger"));
     return false;
   }));
 }
@@ -159,7 +131,7 @@ TEST(UdpPorts, HandOnWhatTheSensorSendsAndCountWhatOthersSend) {
 TEST(UdpPorts, SayWhoHasAPortAndOpenItWhenItIsFree) {
   const Logged log;
   const std::uint16_t port = free_port();
-  auto other = std::make_unique<Somebody>();
+  auto other = std::make_unique<UdpPeer>();
   ASSERT_TRUE(other->take(port));
   Ports ports("sensors: {" + roof(port) + "}");
   const auto item = [&] {

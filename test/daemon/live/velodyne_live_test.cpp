@@ -86,6 +86,21 @@ struct WebBench final : LiveBench {
   WebServer& server;
 };
 
+TEST(VelodyneLive, IsNotAskedUnlessItIsToBe) {
+  for (const std::string keys : {"", ", read: false", ", allow_write: true"}) {
+    WebServer server;
+    const std::string port = std::to_string(server.peer.port());
+    Config config = parse_config("sensors: {roof: {model: velodyne_vlp16, ip_address: 127.0.0.1" +
+                                     (keys.empty() ? "" : ", control: {port: " + port + keys + "}") + "}}",
+                                 "f");
+    config.sensors.at(0).ip_port = 0;
+    LiveBench bench(config);
+    bench.run(std::chrono::milliseconds(100));
+    EXPECT_FALSE(server.peer.accept()) << keys;
+    EXPECT_TRUE(bench.items().empty()) << keys;
+  }
+}
+
 TEST(VelodyneLive, IsAskedAndSetWithAConnectionForEachRequest) {
   WebServer server;
   WebBench bench(server, true);

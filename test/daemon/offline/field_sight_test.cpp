@@ -9,8 +9,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <regex>
 
 #include "drivers/registry/registry.h"
@@ -23,11 +21,6 @@ using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-
-std::string content(const std::string& path) {
-  std::ifstream file(path);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 std::vector<FieldSight> sights(const std::string& text) {
   const Config config = parse_config(text, "f");
@@ -50,12 +43,12 @@ std::vector<std::pair<std::string, std::string>> shown_configurations() {
     if (entry.path().extension() == ".md") pages.push_back(entry.path());
   static const std::regex block("\n```yaml\n([^`]*)```");
   for (const std::string& page : pages) {
-    const std::string text = content(page);
+    const std::string text = test::content(page);
     for (std::sregex_iterator it(text.begin(), text.end(), block), end; it != end; ++it)
       all.emplace_back(page, (*it)[1]);
   }
   for (const auto& entry : std::filesystem::directory_iterator(test::project_file("config")))
-    if (entry.path().extension() == ".yaml") all.emplace_back(entry.path(), content(entry.path()));
+    if (entry.path().extension() == ".yaml") all.emplace_back(entry.path(), test::content(entry.path()));
   return all;
 }
 

@@ -7,10 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <cctype>
-#include <filesystem>
-#include <fstream>
 #include <regex>
-#include <sstream>
 
 #include "test/daemon/config/config_support.h"
 #include "test/support/captures.h"
@@ -117,9 +114,6 @@ INSTANTIATE_TEST_SUITE_P(
             "y (left) swapped?"},
         Row{vehicle("[[-400, -100], [0, -100], [0, 100], [-400, 100]]") + scanner("frame_id: l"),
             "vehicle.footprint is 400 m long; are its numbers in m"},
-        Row{vehicle("[[-4, -1], [0, 1], [0, -1], [-4, 1]]") + scanner("frame_id: l"),
-            "vehicle.footprint crosses itself"},
-        Row{vehicle("[[-4, -1], [0, 1]]") + scanner("frame_id: l"), "has 2 vertices; expected a list of 3"},
         Row{pair_of("pose: {xyz: [1, 0, 0.2]}", "pose: {xyz: [0, 0, 0.6]}") +
                 "merged_scans: {m: {laserscan_topics: [a, b], profile: safety}}",
             "m.laserscan_topics merges scanners 0.20 to 0.60 m high"},
@@ -159,12 +153,9 @@ INSTANTIATE_TEST_SUITE_P(
             "v.ground.tolerance is 5 m"},
         Row{scanner("pose: {xyz: [1, 0, 0], rpy_deg: [0, 0, 1.5708]}"),
             "a.pose.rpy_deg looks like rad and is taken as degrees; in rad the key is rpy"},
-        Row{scanner("pose: {xyz: [1, 0, 0], rpy: [0, 0, 45]}"), "expected a number from -6.284 to 6.284 rad"},
         Row{merged("angle_min_deg: -2.356, angle_max_deg: 2.356"),
             "m.angle_max_deg looks like rad and is taken as degrees; in rad the key is angle_max"},
-        Row{merged("angle_min: -135"), "m.angle_min is -135; expected a number from"},
-        Row{roof("view_width_deg: 3.1416"), "a.view_width_deg looks like rad"},
-        Row{roof("cut_angle: 180"), "a.cut_angle is 180"}),
+        Row{roof("view_width_deg: 3.1416"), "a.view_width_deg looks like rad"}),
     name_of);
 
 INSTANTIATE_TEST_SUITE_P(
@@ -178,18 +169,7 @@ INSTANTIATE_TEST_SUITE_P(
         Row{sensor("model: sick_lms1xx, ip_address: 0.0.0.0"),
             "the address of no device; set that of the sensor"},
         Row{sensor("model: velodyne_hdl64e_s1"),
-            "f:1:15: sensors.a.model has no calibration: an HDL-64E S1 does not send its calibration"},
-        Row{scanner("ip_port: 99999"), "a.ip_port is 99999"},
-        Row{sensor("model: sick_microscan9"), "which is no model; expected sick_microscan3"},
-        Row{sensor("model: sick_lms1xx"), "sensors.a has no ip_address"},
-        Row{roof("multicast_group: 192.168.1.1"), "which is no multicast group"},
-        Row{roof("ip_address: 239.1.1.1"), "a multicast group; expected"},
-        Row{pair_of("pose: {xyz: [1, 0, 0]}", "ip_port: 0"), "b.ip_port is 0"},
-        Row{"sensors: {a: {model: velodyne_vlp16}, b: {model: velodyne_vlp16}}", "share port 2368"},
-        Row{roof("angle_min: 0"), "a.angle_min is not available for velodyne_vlp16"},
-        Row{merged("rate: 5, policy: trigger"), "m.rate has no effect with policy: trigger"},
-        Row{merged("trigger: c"), "m.trigger is \"c\", which is no source of it"},
-        Row{merged("min_height: 2, max_height: 1"), "leaves no height"}),
+            "f:1:15: sensors.a.model has no calibration: an HDL-64E S1 does not send its calibration"}),
     name_of);
 
 std::string unknown(const std::string& key) { return roof(key + ": 1"); }
@@ -274,6 +254,12 @@ TEST(Remarks, AreNotMadeOfWhatMayBeMeant) {
         scanner("udp_receiver_ip: 0.0.0.0"),
         scanner("angle_min_deg: -140, angle_max_deg: 140"),
         scanner("angle_min: 0, angle_max: 6.2832"),
+        scanner("angle_min: -3.14, angle_max: 3.14"),
+        scanner("angle_min_deg: 0, angle_max_deg: 180"),
+        scanner("angle_min: 0.5"),
+        scanner("pose: {xyz: [9, 0, 0.3], rpy_deg: [0.2, 1.57, 90]}"),
+        scanner("pose: {xyz: [1, 0, 0.3], rpy: [0, 0, 1.5708]}"),
+        roof("ip_address: 10.0.0.0"),
         vehicle(truck) + scanner("pose: {xyz: [0.5, 1.3, 0.3]}"),
         vehicle(wide) + scanner("pose: {xyz: [0.9, 1.9, 0]}"),
         vehicle(truck) + virtual_scan("poses: {low: {xyz: [7, 0, 0.3]}}"),
@@ -285,26 +271,6 @@ TEST(Remarks, AreNotMadeOfWhatMayBeMeant) {
         scanner("pose: {xyz: [1, 0, 0.3], rpy_deg: [0, 8, 0]}") +
             "merged_scans: {m: {laserscan_topics: [a], min_height: -0.2}}\n"})
     EXPECT_EQ(said_of(text), "") << text;
-}
-
-TEST(Remarks, AreNotMadeOfAnExampleOfTheManual) {
-  std::vector<std::string> pages{test::project_file("README.md")};
-  for (const auto& page : std::filesystem::directory_iterator(test::project_file("config/doc")))
-    pages.push_back(page.path().string());
-  static const std::regex block("```yaml\n([^`]*)```");
-  std::size_t count = 0;
-  for (const std::string& page : pages) {
-    std::stringstream text;
-    text << std::ifstream(page).rdbuf();
-    const std::string all = text.str();
-    for (std::sregex_iterator found(all.begin(), all.end(), block), end; found != end; ++found) {
-      const std::string yaml = (*found)[1];
-      if (yaml.find("sensors:") == std::string::npos) continue;
-      EXPECT_EQ(said_of(yaml), "") << page << ":\n" << yaml;
-      ++count;
-    }
-  }
-  EXPECT_GE(count, 10U);
 }
 
 }  // namespace

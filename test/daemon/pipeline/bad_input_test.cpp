@@ -14,7 +14,6 @@
 #include "daemon/ros/messages/convert.h"
 #include "test/sim/world/units.h"
 #include "test/support/recording_sink.h"
-#include "test/support/ros_samples.h"
 
 namespace lidard {
 namespace {
@@ -102,16 +101,6 @@ struct Room {
   Stamp now{1'767'225'600'000'000'000};
 };
 
-TEST(BadInput, GoodSweepsShowTheRoom) {
-  Room room;
-  room.good(3);
-  for (const std::size_t beam : {ahead, behind, left}) {
-    EXPECT_NEAR(room.strict().ranges.at(beam), 5, 0.01) << beam;
-    EXPECT_NEAR(room.safety().ranges.at(beam), 5, 0.01) << beam;
-  }
-  room.expect_valid();
-}
-
 TEST(BadInput, EmptySweepCountsAsDeliveredAndLeavesItsSectorUnobserved) {
   Room room;
   room.good(3);
@@ -145,18 +134,6 @@ TEST(BadInput, ASweepOfNanIsUnobservedAndNeverFree) {
   }
 }
 
-TEST(BadInput, IntensitiesOfTheWrongNumberAreIgnoredAndTheRangesUsed) {
-  for (const std::size_t n : {1U, 180U, 182U, 5000U}) {
-    Room room;
-    room.good();
-    EXPECT_FALSE(room.strict().intensities.empty());
-    EXPECT_EQ(room.sweep([n](auto& m) { m.intensities.resize(n); }), "");
-    EXPECT_NEAR(room.strict().ranges.at(ahead), 5, 0.01);
-    EXPECT_TRUE(room.strict().intensities.empty());
-    room.expect_valid();
-  }
-}
-
 TEST(BadInput, AScannerUpsideDownGivesTheSameScan) {
   Room upright;
   const auto wedge = [](auto& m) {
@@ -178,32 +155,6 @@ TEST(BadInput, AScannerUpsideDownGivesTheSameScan) {
   }
 }
 
-TEST(BadInput, AnglesThatDoNotFitTheNumberOfRangesAreRefusedWithTheReason) {
-  Room room;
-  room.good();
-  EXPECT_THAT(room.sweep([](auto& m) { m.ranges.resize(90), m.intensities.clear(); }),
-              HasSubstr("number of ranges"));
-  EXPECT_THAT(room.sweep([](auto& m) { m.angle_increment = -m.angle_increment; }), HasSubstr("wrong sign"));
-  EXPECT_THAT(room.sweep([](auto& m) { m.angle_min = inf; }), HasSubstr("not finite"));
-  EXPECT_THAT(room.sweep([](auto& m) { m.angle_increment = 1e-30F; }), HasSubstr("number of ranges"));
-}
-
-TEST(BadInput, TimesThatCannotBeAreRefusedWithTheReason) {
-  Room room;
-  for (const float bad : {nan, inf, -inf, 1e30F, 10.0F, -10.0F})
-    EXPECT_THAT(room.sweep([bad](auto& m) { m.time_increment = bad; }), HasSubstr("time_increment")) << bad;
-}
-
-TEST(BadInput, ScansThatBreakTheirInvariantsAreCountedAndNotUsed) {
-  Room room;
-  room.good();
-  PlanarScan scan;
-  ASSERT_EQ(from_ros(room.message("front_laser"), scan), nullptr);
-  scan.ranges[3] = -5;
-  room.pipeline.scan_message("front", scan, room.now);
-  EXPECT_EQ(room.pipeline.status(room.pipeline.now()).sensors.at(0).counters.rejected_total(), 1U);
-}
-
 TEST(BadInput, AMissingPoseIsAnErrorWithTheFramesNameUntilItComes) {
   Room room("");  // the front scanner's pose would come from tf
   room.good(60);
@@ -217,11 +168,6 @@ TEST(BadInput, AMissingPoseIsAnErrorWithTheFramesNameUntilItComes) {
   room.good(60);
   EXPECT_EQ(room.item("merged around").health, Health::ok) << room.item("merged around").message;
   EXPECT_NEAR(room.strict().ranges.at(ahead), 5, 0.01);
-}
-
-TEST(BadInput, APoseThatIsNoNumberIsRefusedWithTheConfiguration) {
-  EXPECT_THROW(parse_config(config_text(", pose: {xyz: [0, .nan, 0]}"), "f"), ConfigError);
-  EXPECT_THROW(parse_config(config_text(", pose: {xyz: [0, 0, 0], rpy: [0, .inf, 0]}"), "f"), ConfigError);
 }
 
 TEST(BadInput, ASourceMayChangeItsNumberOfBeamsAndTheOutputKeepsItsOwn) {
@@ -272,36 +218,6 @@ TEST(BadInput, StampsIncreaseAndBeamsStayTheSameWhileSourcesComeAndGo) {
     last = room.strict().stamp;
   }
   EXPECT_GT(outputs, 200);
-}
-
-TEST(BadInput, AScannerWhoseClockIsAnHourBehindDoesNotTurnBackTheOutput) {
-  Room room;
-  Stamp last{};
-  int outputs = 0;
-  for (int i = 0; i < 100; ++i) {
-    room.sweep([](auto& m) { m.header.stamp -= ros::Duration(3600); });
-    if (room.sink.scans.count("around") == 0) continue;
-    if (room.strict().stamp != last) ++outputs;
-    EXPECT_GE(room.strict().stamp, last) << i;
-    last = room.strict().stamp;
-  }
-  EXPECT_GT(outputs, 50);
-}
-
-TEST(BadInput, PointsOfACloudThatAreNotFiniteAreLeftOutAndCounted) {
-  Cloud cloud;
-  const std::vector<CloudPoint> points = {
-      {5, 0, 0, 1, 0, 0}, {nan, 0, 0, 1, 0, 0}, {0, inf, 0, 1, 0, 0}, {1, 2, -inf, 1, 0, 0}};
-  cloud.frame_id = "roof";
-  cloud.points_bytes.resize(points.size() * sizeof(CloudPoint));
-  std::copy(points.begin(), points.end(), cloud.points());
-  const sensor_msgs::PointCloud2 message = test::message_of(cloud);
-  Cloud read;
-  const auto reading = from_ros(message, read);
-  EXPECT_EQ(reading.error, nullptr);
-  EXPECT_EQ(reading.dropped, 3U);
-  ASSERT_EQ(read.size(), 1U);
-  EXPECT_EQ(read.points()[0].x, 5.0F);
 }
 
 }  // namespace

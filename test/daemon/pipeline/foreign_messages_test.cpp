@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-// Messages of other drivers: their stamps, scans of no beams, scans that are not sound, and the rhythm of
-// diagnostics.
+// Messages of other drivers: their stamps, scans that are not sound, and the rhythm of diagnostics.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -34,34 +33,6 @@ TEST(ForeignMessages, TimeOffsetMovesTheBeginAndTheEndOfAFrame) {
   bench.give("front", round_scan("front", bench_begin + ms(100), 5, 361, ms(80)), bench_begin + ms(400));
   ASSERT_EQ(bench.sink.count("m"), 1U);
   EXPECT_NEAR(seconds(bench.sink.scans["m"][0].stamp - (bench_begin + ms(100 + 80 + 20))), 0, 1e-6);
-}
-
-TEST(ForeignMessages, AScanWithoutBeamsCountsAsDeliveredAndSaysNothing) {
-  PipelineBench bench(
-      "sensors: {a: {topic: /a, pose: {xyz: [0, 0, 0]}}, b: {topic: /b, pose: {xyz: [0, 0, 0]}}}\n"
-      "merged_scans: {m: {laserscan_topics: [a, b], range_max: 20, beams: 360, profile: strict}}\n");
-  const auto empty = [](Stamp stamp) {
-    PlanarScan scan;
-    scan.frame_id = "a";
-    scan.stamp = stamp;
-    return scan;
-  };
-  // Before a scan with beams nobody knows a geometry; after it, it is that scan's.
-  for (const bool known : {false, true}) {
-    const double at = known ? 200 : 0;
-    if (known) {
-      bench.give("a", round_scan("a", bench_begin + ms(100), 5, 100), bench_begin + ms(100));
-      bench.give("b", round_scan("b", bench_begin + ms(100)), bench_begin + ms(100));
-    }
-    const std::size_t before = bench.sink.count("m");
-    bench.give("a", empty(bench_begin + ms(at)), bench_begin + ms(at));
-    bench.give("b", round_scan("b", bench_begin + ms(at)), bench_begin + ms(at));
-    ASSERT_EQ(bench.sink.count("m"), before + 1) << known;
-  }
-  const SensorStatus report = bench.pipeline.status(bench.pipeline.now()).sensors[0];
-  EXPECT_EQ(report.counters.packets, 3U);
-  EXPECT_EQ(report.counters.frames, 3U);
-  EXPECT_EQ(report.counters.rejected_total(), 0U);
 }
 
 TEST(ForeignMessages, AScanThatIsNotSoundIsRejectedAndCounted) {

@@ -134,6 +134,19 @@ TEST(MergedScanMaker, StampsDoNotGoBackOverAChange) {
   EXPECT_GT(bench.sink.scans["m"].back().stamp, before);
 }
 
+TEST(MergedScanMaker, AChangeIsRefusedForAGridThatIsWrongOrAnOutputThatIsNotThere) {
+  PipelineBench bench(two_sources(""));
+  OutputScanConfig wanted = changed(bench, 180);
+  EXPECT_THAT(bench.pipeline.set_output({OutputId::Kind::virtual_group, "m"}, wanted),
+              HasSubstr("no output named m"));
+  wanted.grid.angle_max = wanted.grid.angle_min - 1;
+  EXPECT_THAT(bench.pipeline.set_output({OutputId::Kind::merged, "m"}, wanted),
+              HasSubstr("expected angle_min < angle_max"));
+  sweep(bench, "a", ms(100));
+  sweep(bench, "b", ms(100));
+  EXPECT_EQ(bench.sink.scans["m"].at(0).beams, bench.config.merged_scans[0].output.grid.beams);
+}
+
 TEST(MergedScanMaker, WhatShowsNoNewerInstantIsNotPublishedAgainButCounted) {
   PipelineBench bench(two_sources(""));
   for (double at = 100; at <= 1000; at += 100) {

@@ -260,25 +260,5 @@ TEST(MergedPipeline, FollowsAClockThatWasSetBackAnHour) {
     EXPECT_GT(outputs[i].scan.stamp, outputs[i - 1].scan.stamp);
 }
 
-TEST(MergedPipeline, TimeOffsetOfATopicMovesItsStamps) {
-  NoTf tf;
-  test::RecordingSink sink;
-  const Config config = parse_config(
-      "sensors: {a: {topic: /a, frame_id: a, pose: {xyz: [0, 0, 0]}, time_offset: -0.004}}\n"
-      "merged_scans: {m: {laserscan_topics: a, beams: 90, range_max: 9}}\n",
-      "test");
-  Pipeline pipeline(config, tf, sink);
-  const HealthReporter reporter(pipeline, sink);
-  PlanarScan scan;
-  scan.reset(90);
-  scan.set_angles(0, 0.01F);
-  scan.range_max = 9;
-  scan.frame_id = "a";
-  scan.stamp = begin;
-  pipeline.scan_message("a", scan, begin);
-  ASSERT_EQ(sink.scans["m"].size(), 1U);
-  EXPECT_EQ(sink.scans["m"][0].stamp, begin - ms(4));
-}
-
 }  // namespace
 }  // namespace lidard

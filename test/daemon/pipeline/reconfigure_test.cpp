@@ -5,9 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
-#include <fstream>
 #include <functional>
-#include <sstream>
 
 #include "daemon/health/pipeline_health.h"
 #include "daemon/live/division.h"
@@ -19,13 +17,7 @@
 namespace lidard {
 namespace {
 
-std::string text_of(const std::string& path) {
-  std::ostringstream text;
-  text << std::ifstream(path).rdbuf();
-  return text.str();
-}
-
-std::string demo() { return text_of(test::project_file("config/demo.yaml")); }
+std::string demo() { return test::content(test::project_file("config/demo.yaml")); }
 
 /// The demo with one more entry of merged scans, which takes a virtual scan too.
 Config demo_with_all() {

@@ -11,11 +11,11 @@
 
 #include <csignal>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 
 #include "daemon/ros/messages/convert.h"
 #include "daemon/ros/messages/device_messages.h"
+#include "test/support/captures.h"
 #include "test/support/ros_samples.h"
 
 namespace lidard {
@@ -56,10 +56,6 @@ class Bags : public testing::Test {
       return problem.what();
     }
     return "";
-  }
-  static std::string bytes(const std::string& file) {
-    std::ifstream in(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
   }
   template <typename Message>
   static std::vector<boost::shared_ptr<Message>> read(rosbag::Bag& bag, const std::string& topic) {
@@ -136,10 +132,10 @@ TEST_F(Bags, HoldFixesTimeReferencesAndImuSamples) {
 TEST_F(Bags, AreTheSameByteForByteForTheSameInput) {
   write(path("a.bag"), 40);
   write(path("b.bag"), 40);
-  EXPECT_GT(bytes(path("a.bag")).size(), 800'000U);  // more than one chunk
-  EXPECT_TRUE(bytes(path("a.bag")) == bytes(path("b.bag")));
+  EXPECT_GT(test::content(path("a.bag")).size(), 800'000U);  // more than one chunk
+  EXPECT_TRUE(test::content(path("a.bag")) == test::content(path("b.bag")));
   write(path("b.bag"), 41);
-  EXPECT_FALSE(bytes(path("a.bag")) == bytes(path("b.bag")));
+  EXPECT_FALSE(test::content(path("a.bag")) == test::content(path("b.bag")));
 }
 
 TEST_F(Bags, MarkFixedTransformsAsLatched) {

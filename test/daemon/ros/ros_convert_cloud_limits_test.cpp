@@ -152,16 +152,5 @@ TEST(CloudFromRos, TakesDataThatEndExactlyWhereTheyMay) {
   EXPECT_EQ(given.read().size(), 2U) << "of a single row, row_step says nothing";
 }
 
-TEST(CloudToRos, AnOrganisedCloudHasRowsAndMayHaveHoles) {
-  Cloud cloud = test::sample_cloud(4);
-  cloud.height = 2;
-  const sensor_msgs::PointCloud2 message = test::message_of(cloud);
-  EXPECT_EQ(message.fields.size(), 6U);
-  EXPECT_EQ(message.height, 2U);
-  EXPECT_EQ(message.width, 2U);
-  EXPECT_EQ(message.row_step, 2 * 22U);
-  EXPECT_EQ(message.is_dense, 0);
-}
-
 }  // namespace
 }  // namespace lidard

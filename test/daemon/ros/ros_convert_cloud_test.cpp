@@ -130,30 +130,6 @@ TEST(CloudFromRos, LeavesOutPointsThatAreNotFiniteAndCountsThem) {
   EXPECT_EQ(float(cloud.points()[1].x), 4);
 }
 
-TEST(CloudFromRos, MovesTheStampToTheEarliestPoint) {
-  CloudMaker maker;
-  maker.field("x", Field::FLOAT32, 0).field("y", Field::FLOAT32, 4).field("z", Field::FLOAT32, 8);
-  maker.field("time", Field::FLOAT32, 12).size(1, 2, 16).put(12, -0.125F).put(28, 0.0F);
-  maker.message.header.stamp = ros::Time(10, 0);
-  Cloud cloud;
-  ASSERT_EQ(from_ros(maker.message, cloud).error, nullptr);
-  EXPECT_EQ(cloud.stamp.ns, 9'875'000'000);
-  EXPECT_EQ(cloud.end.ns, 10'000'000'000);
-  EXPECT_EQ(float(cloud.points()[0].time), 0.0F);
-  EXPECT_EQ(float(cloud.points()[1].time), 0.125F);
-}
-
-TEST(CloudFromRos, IgnoresTimesThatCountFromElsewhere) {
-  CloudMaker maker;
-  maker.field("x", Field::FLOAT32, 0).field("y", Field::FLOAT32, 4).field("z", Field::FLOAT32, 8);
-  maker.field("time", Field::FLOAT64, 12).size(1, 1, 20).put(12, 1.6e9);
-  maker.message.header.stamp = ros::Time(10, 0);
-  Cloud cloud;
-  ASSERT_EQ(from_ros(maker.message, cloud).error, nullptr);
-  EXPECT_EQ(cloud.end.ns, 10'000'000'000);
-  EXPECT_EQ(float(cloud.points()[0].time), 0.0F);
-}
-
 TEST(CloudFromRos, TakesAnEmptyCloud) {
   Cloud cloud = sample_cloud(3);
   ASSERT_EQ(from_ros(plain(0).message, cloud).error, nullptr);

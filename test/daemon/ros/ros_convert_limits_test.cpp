@@ -38,10 +38,12 @@ TEST(DiagnosticsToRos, EveryHealthHasItsLevel) {
   EXPECT_EQ(message.status[0].name, "other: b");
 }
 
-TEST(DiagnosticsToRos, KeepsEveryValueInItsOrder) {
+TEST(DiagnosticsToRos, KeepsTextsAndEveryValueInItsOrder) {
   diagnostic_msgs::DiagnosticArray message;
   to_ros({{"a", "SN", Health::ok, "m", {{"z", "1"}, {"a", "2"}, {"z", "3"}}}}, "n", HostStamp{1}, message);
-  ASSERT_EQ(message.status.at(0).values.size(), 3U);
+  EXPECT_EQ(message.status.at(0).hardware_id, "SN");
+  EXPECT_EQ(message.status[0].message, "m");
+  ASSERT_EQ(message.status[0].values.size(), 3U);
   EXPECT_EQ(message.status[0].values[0].key + message.status[0].values[0].value, "z1");
   EXPECT_EQ(message.status[0].values[1].key + message.status[0].values[1].value, "a2");
   EXPECT_EQ(message.status[0].values[2].key + message.status[0].values[2].value, "z3");
@@ -93,57 +95,55 @@ TEST(ScanToRos, HoldsTheFirstEchoOfEachBeamAlone) {
   EXPECT_EQ(echoes.scan_time, 0.04F);
 }
 
-const char* taken(const sensor_msgs::LaserScan& message, PlanarScan& scan) { return from_ros(message, scan); }
 std::string complaint(const sensor_msgs::LaserScan& message) {
   PlanarScan scan;
-  const char* why = taken(message, scan);
+  const char* why = from_ros(message, scan);
   return why == nullptr ? "" : why;
-}
-sensor_msgs::LaserScan limits_message() {
-  sensor_msgs::LaserScan message;
-  test::to_message(test::sample_scan(), message);
-  return message;
 }
 
 TEST(ScanFromRos, TakesRangesAtTheirLimitsAndInfinitiesByTheirSign) {
-  auto message = limits_message();
+  auto message = test::sample_message();
   message.ranges = {0.1F, 40.0F, inf, -inf, nan};
   PlanarScan scan;
-  ASSERT_EQ(taken(message, scan), nullptr);
+  ASSERT_EQ(from_ros(message, scan), nullptr);
   const std::vector<BeamStatus> expected{BeamStatus::hit, BeamStatus::hit, BeamStatus::none, BeamStatus::near,
                                          BeamStatus::invalid};
   EXPECT_EQ(scan.statuses, expected);
-  message.ranges = {std::nextafter(0.1F, 0.0F), std::nextafter(40.0F, 50.0F), 1, 1, 1};
-  ASSERT_EQ(taken(message, scan), nullptr);
-  EXPECT_EQ(scan.statuses[0], BeamStatus::invalid);
-  EXPECT_EQ(scan.statuses[1], BeamStatus::invalid);
+  message.ranges = {std::nextafter(0.1F, 0.0F), std::nextafter(40.0F, 50.0F), -1, 0, 1};
+  ASSERT_EQ(from_ros(message, scan), nullptr);
+  for (const std::size_t i : {0U, 1U, 2U, 3U}) EXPECT_EQ(scan.statuses[i], BeamStatus::invalid) << i;
   EXPECT_EQ(violation(scan), nullptr);
 }
 
 TEST(ScanFromRos, MayBeOffByOneBeamFromItsAnglesButNotByTwo) {
   for (const int off : {-2, -1, 0, 1, 2}) {
-    auto message = limits_message();
+    auto message = test::sample_message();
     message.ranges.resize(static_cast<std::size_t>(5 + off), 1.0F);
     message.intensities.clear();
     EXPECT_EQ(complaint(message) == "", std::abs(off) <= 1) << off << ": " << complaint(message);
   }
+  auto message = test::sample_message();
+  message.angle_max += 0.5F;
+  PlanarScan scan;
+  ASSERT_EQ(from_ros(message, scan), nullptr);
+  EXPECT_EQ(scan.angle_max, 1.0F) << "that of the last beam";
 }
 
 TEST(ScanFromRos, OfOneBeamNeedsNoIncrement) {
-  auto message = limits_message();
+  auto message = test::sample_message();
   message.ranges = {3};
   message.intensities.clear();
   message.angle_increment = 0;
   message.angle_max = 2;
   PlanarScan scan;
-  ASSERT_EQ(taken(message, scan), nullptr);
+  ASSERT_EQ(from_ros(message, scan), nullptr);
   EXPECT_EQ(scan.beams, 1U);
   EXPECT_EQ(scan.ranges[0], 3);
   EXPECT_EQ(violation(scan), nullptr);
 }
 
 TEST(ScanFromRos, MayLastAMinuteAndNotLonger) {
-  auto message = limits_message();
+  auto message = test::sample_message();
   message.time_increment = 12;
   EXPECT_EQ(complaint(message), "") << "five beams, 60 s";
   message.time_increment = 12.01F;
@@ -153,23 +153,23 @@ TEST(ScanFromRos, MayLastAMinuteAndNotLonger) {
 }
 
 TEST(ScanFromRos, RangeLimitsMayBeginAtZeroAndMustDiffer) {
-  auto message = limits_message();
+  auto message = test::sample_message();
   message.range_min = 0;
   EXPECT_EQ(complaint(message), "");
   message.range_min = message.range_max;
   EXPECT_EQ(complaint(message), "range limits are not 0 <= min < max");
-  message = limits_message();
+  message = test::sample_message();
   message.angle_max = inf;
   EXPECT_EQ(complaint(message), "angles are not finite");
-  message = limits_message();
+  message = test::sample_message();
   message.angle_increment = nan;
   EXPECT_EQ(complaint(message), "angles are not finite");
 }
 
 TEST(ScanFromRos, LeavesNothingOfTheMessageBefore) {
   PlanarScan scan;
-  ASSERT_EQ(taken(limits_message(), scan), nullptr);
-  auto message = limits_message();
+  ASSERT_EQ(from_ros(test::sample_message(), scan), nullptr);
+  auto message = test::sample_message();
   message.intensities.clear();
   message.ranges.assign(5, nan);
   message.header.frame_id = "/other";
@@ -177,7 +177,7 @@ TEST(ScanFromRos, LeavesNothingOfTheMessageBefore) {
   message.scan_time = 0.5F;
   message.range_min = 0.2F;
   message.range_max = 30;
-  ASSERT_EQ(taken(message, scan), nullptr);
+  ASSERT_EQ(from_ros(message, scan), nullptr);
   EXPECT_TRUE(scan.intensities.empty());
   EXPECT_EQ(scan.statuses, std::vector<BeamStatus>(5, BeamStatus::invalid));
   EXPECT_EQ(scan.frame_id, "other");
@@ -194,8 +194,10 @@ TEST(TransformsToRos, HoldARotationThatTurnsAVectorAsThePoseDoes) {
     const Pose pose =
         make_pose({any(random), any(random), any(random)}, {any(random), any(random), any(random)});
     tf2_msgs::TFMessage message;
-    to_ros({{"base", "/laser", pose}, {"base", "other", pose}}, HostStamp{5}, message);
+    to_ros({{"/base", "/laser", pose}, {"base", "other", pose}}, HostStamp{1'000'000'000}, message);
     ASSERT_EQ(message.transforms.size(), 2U);
+    EXPECT_EQ(message.transforms[0].header.frame_id, "base");
+    EXPECT_EQ(message.transforms[0].header.stamp, ros::Time(1, 0));
     EXPECT_EQ(message.transforms[0].child_frame_id, "laser");
     const auto& q = message.transforms[0].transform.rotation;
     const auto& t = message.transforms[0].transform.translation;

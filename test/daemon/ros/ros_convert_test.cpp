@@ -17,13 +17,8 @@ namespace {
 
 using namespace std::chrono_literals;
 using test::sample_cloud;
+using test::sample_message;
 using test::sample_scan;
-
-sensor_msgs::LaserScan sample_message() {
-  sensor_msgs::LaserScan message;
-  test::to_message(sample_scan(), message);
-  return message;
-}
 
 TEST(MessageRows, StampEveryMessageByTheHostsClockAndReadItBack) {
   const ClockStep clock(-5s);
@@ -85,22 +80,6 @@ TEST(ScanToRos, HasNoIntensitiesWhereTheScanHasNone) {
   EXPECT_TRUE(message.intensities.empty());
 }
 
-TEST(ScanToRos, GivesEachBeamItsEchoes) {
-  PlanarScan scan = sample_scan();
-  scan.reset(2, 3);
-  scan.set_angles(-1, 0.5F);
-  scan.set_hit(scan.index(0, 0), 2.0F);
-  scan.set_hit(scan.index(0, 1), 3.0F);
-  scan.intensities[scan.index(0, 1)] = 7;
-  scan.set_without_hit(scan.index(1, 0), BeamStatus::none);
-  sensor_msgs::MultiEchoLaserScan message;
-  test::to_message(scan, message);
-  ASSERT_EQ(message.ranges.size(), 2U);
-  EXPECT_EQ(message.ranges[0].echoes, (std::vector<float>{2, 3}));
-  EXPECT_EQ(message.intensities[0].echoes, (std::vector<float>{0, 7}));
-  EXPECT_EQ(message.ranges[1].echoes, (std::vector<float>{inf}));
-}
-
 TEST(ScanFromRos, GivesBackWhatWasSent) {
   PlanarScan scan;
   ASSERT_EQ(from_ros(sample_message(), scan), nullptr);
@@ -114,16 +93,6 @@ TEST(ScanFromRos, GivesBackWhatWasSent) {
   EXPECT_EQ(scan.time_increment, sent.time_increment);
 }
 
-TEST(ScanFromRos, TakesRangesOutsideTheLimitsAsInvalid) {
-  auto message = sample_message();
-  message.ranges = {0.05F, 41.0F, -1.0F, 0.0F, 40.0F};
-  PlanarScan scan;
-  ASSERT_EQ(from_ros(message, scan), nullptr);
-  for (const std::size_t i : {0U, 1U, 2U, 3U}) EXPECT_EQ(scan.statuses[i], BeamStatus::invalid) << i;
-  EXPECT_EQ(scan.statuses[4], BeamStatus::hit);
-  EXPECT_EQ(violation(scan), nullptr);
-}
-
 TEST(ScanFromRos, KeepsAScannerMountedUpsideDown) {
   auto message = sample_message();
   message.angle_min = 1.0F;
@@ -133,14 +102,6 @@ TEST(ScanFromRos, KeepsAScannerMountedUpsideDown) {
   ASSERT_EQ(from_ros(message, scan), nullptr);
   EXPECT_EQ(scan.angle_increment, -0.5F);
   EXPECT_EQ(violation(scan), nullptr);
-}
-
-TEST(ScanFromRos, AcceptsOneBeamMoreThanTheAnglesSay) {
-  auto message = sample_message();
-  message.angle_max += 0.5F;
-  PlanarScan scan;
-  ASSERT_EQ(from_ros(message, scan), nullptr);
-  EXPECT_EQ(scan.angle_max, 1.0F);
 }
 
 TEST(ScanFromRos, LeavesOutIntensitiesOfTheWrongNumber) {
@@ -272,32 +233,6 @@ TEST(PosesFromRos, WithoutAnOrientationAreNotRigid) {
   EXPECT_FALSE(is_rigid(to_pose(geometry_msgs::Vector3(), turn))) << "only the twist is filled in";
   turn.w = 0.7;
   EXPECT_TRUE(is_rigid(to_pose(geometry_msgs::Vector3(), turn)));
-}
-
-TEST(TransformsToRos, KeepTranslationAndRotation) {
-  const StaticTransform transform{"/base_link", "laser", make_pose({1, 2, 3}, {0, 0, M_PI / 2})};
-  tf2_msgs::TFMessage message;
-  to_ros({transform}, HostStamp{1'000'000'000}, message);
-  ASSERT_EQ(message.transforms.size(), 1U);
-  EXPECT_EQ(message.transforms[0].header.frame_id, "base_link");
-  EXPECT_EQ(message.transforms[0].child_frame_id, "laser");
-  EXPECT_EQ(message.transforms[0].header.stamp, ros::Time(1, 0));
-  EXPECT_EQ(message.transforms[0].transform.translation.y, 2);
-  EXPECT_NEAR(message.transforms[0].transform.rotation.z, std::sqrt(0.5), 1e-12);
-  EXPECT_NEAR(message.transforms[0].transform.rotation.w, std::sqrt(0.5), 1e-12);
-}
-
-TEST(DiagnosticsToRos, KeepLevelNameAndValues) {
-  diagnostic_msgs::DiagnosticArray message;
-  to_ros({{"front", "SN1", Health::stale, "no data; check the cable", {{"IP Port", "6060"}}}}, "lidard",
-         HostStamp{1}, message);
-  ASSERT_EQ(message.status.size(), 1U);
-  EXPECT_EQ(message.status[0].name, "lidard: front");
-  EXPECT_EQ(message.status[0].hardware_id, "SN1");
-  EXPECT_EQ(message.status[0].level, 3);
-  EXPECT_EQ(message.status[0].message, "no data; check the cable");
-  EXPECT_EQ(message.status[0].values.at(0).key, "IP Port");
-  EXPECT_EQ(message.status[0].values.at(0).value, "6060");
 }
 
 }  // namespace

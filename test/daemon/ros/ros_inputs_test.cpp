@@ -16,6 +16,7 @@
 #include "daemon/ros/in/tf_poses.h"
 #include "daemon/ros/messages/convert.h"
 #include "test/support/ros_master.h"
+#include "test/support/ros_posted.h"
 #include "test/support/ros_samples.h"
 #include "test/support/says.h"
 #include "test/support/starved.h"
@@ -63,35 +64,11 @@ struct Seen final : MessageReceiver {
   std::string set_sensor(const SensorConfig&) override { return {}; }
 };
 
-/// Tasks posted to the "sensor thread", which here is the test.
-class Posted {
- public:
-  Seen seen;
-
-  RosPost post() {
-    return [this](const std::string&, RosTask task) {
-      const std::lock_guard lock(mutex_);
-      waiting_.push_back(std::move(task));
-    };
-  }
-  /// Runs what comes until `done` or the time is up.
+struct Posted : test::Posted {
   bool run_until(const std::function<bool()>& done, std::chrono::milliseconds limit = 120s) {
-    const auto end = std::chrono::steady_clock::now() + limit;
-    while (!done() && std::chrono::steady_clock::now() < end) {
-      std::this_thread::sleep_for(5ms);
-      std::vector<RosTask> now;
-      {
-        const std::lock_guard lock(mutex_);
-        now.swap(waiting_);
-      }
-      for (const auto& task : now) task(seen, Stamp{});
-    }
-    return done();
+    return test::Posted::run_until(seen, Stamp{}, done, limit);
   }
-
- private:
-  std::mutex mutex_;
-  std::vector<RosTask> waiting_;
+  Seen seen;
 };
 
 /// A master that has a share of a busy processor may take longer to answer than the connection waits for it.
@@ -115,16 +92,10 @@ struct Inputs : Posted {
   const std::shared_ptr<RosInputs> part;
 };
 
-sensor_msgs::LaserScan scan_message() {
-  sensor_msgs::LaserScan message;
-  test::to_message(test::sample_scan(), message);
-  return message;
-}
-
 TEST(RosInputs, FindTheTypeOfATopicAndConvertScans) {
   in_own_process([] {
     RosMaster master;
-    const Child scans = talker("/rear/scan", scan_message());
+    const Child scans = talker("/rear/scan", test::sample_message());
     master.start();
     Inputs inputs({{"rear", "/rear/scan"}});
     EXPECT_TRUE(inputs.run_until([&] { return inputs.seen.scans.size() >= 3; }));
@@ -158,7 +129,7 @@ TEST(RosInputs, ConvertCloudsOfAPublisherThatComesLate) {
 TEST(RosInputs, CountAndExplainMessagesTheyCannotUse) {
   in_own_process([] {
     RosMaster master;
-    auto broken = scan_message();
+    auto broken = test::sample_message();
     broken.ranges.resize(2);
     const Child scans = talker("/broken", broken);
     const Child strings = talker("/words", std_msgs::String());
@@ -179,9 +150,9 @@ TEST(RosInputs, CountAndExplainMessagesTheyCannotUse) {
 TEST(RosInputs, UseScansWithOddIntensitiesOrWithoutRangesAndCountWhatTheyLeaveOut) {
   in_own_process([] {
     RosMaster master;
-    auto odd = scan_message();
+    auto odd = test::sample_message();
     odd.intensities.resize(2);
-    auto empty = scan_message();
+    auto empty = test::sample_message();
     empty.ranges.clear();
     empty.intensities.clear();
     const Child odd_scans = talker("/odd", odd);
@@ -204,7 +175,7 @@ TEST(RosInputs, UseScansWithOddIntensitiesOrWithoutRangesAndCountWhatTheyLeaveOu
 TEST(RosInputs, DropAndCountWhatASlowSensorThreadDoesNotTake) {
   in_own_process([] {
     RosMaster master;
-    const Child scans = talker("/scan", scan_message());
+    const Child scans = talker("/scan", test::sample_message());
     master.start();
     std::vector<RosTask> never_run;
     std::mutex mutex;
@@ -221,7 +192,7 @@ TEST(RosInputs, DropAndCountWhatASlowSensorThreadDoesNotTake) {
 TEST(RosInputs, HearPublishersAgainAfterTheMasterWasRestarted) {
   in_own_process([] {
     RosMaster master;
-    auto before = talker("/scan", scan_message());
+    auto before = talker("/scan", test::sample_message());
     master.start();
     Inputs inputs({{"a", "/scan"}});
     ASSERT_TRUE(inputs.run_until([&] { return !inputs.seen.scans.empty(); }));
@@ -274,6 +245,22 @@ TEST(RosReconfigure, ChangesNothingAnyMoreOnceAReloadReplacesIt) {
   });
 }
 
+/// Poses of tf as a talker publishes it.
+struct Tf {
+  Tf() { connection.add(poses); }
+  ~Tf() { expect_to_stop(connection); }
+  bool knows(const std::string& parent, const std::string& child, Stamp stamp) {
+    return poses->lookup(parent, child, stamp, pose, why);
+  }
+  bool will_know(const std::string& parent, const std::string& child, Stamp stamp) {
+    return Posted().run_until([&] { return knows(parent, child, stamp); });
+  }
+  std::shared_ptr<TfPoses> poses = std::make_shared<TfPoses>();
+  RosConnection connection{{}, {}};
+  Pose pose;
+  std::string why;
+};
+
 TEST(TfPoses, FollowAChainOfFramesAndSayWhyAPoseIsUnknown) {
   in_own_process([] {
     RosMaster master;
@@ -281,26 +268,18 @@ TEST(TfPoses, FollowAChainOfFramesAndSayWhyAPoseIsUnknown) {
     message.transforms = {transform("base_link", "mast", 1), transform("mast", "laser", 2)};
     const Child tf = talker("/tf_static", message);
     master.start();
-    const auto tf_poses = std::make_shared<TfPoses>();
-    TfPoses& poses = *tf_poses;
-    RosConnection connection({}, {});
-    connection.add(tf_poses);
-    Pose pose;
-    std::string why;
-    EXPECT_FALSE(poses.lookup("base_link", "laser", Stamp{}, pose, why));
-    EXPECT_THAT(why, test::Says(says::tf_absent));
-    connection.start();
-    Posted nothing;
-    EXPECT_TRUE(nothing.run_until([&] { return poses.lookup("/base_link", "laser", Stamp{5}, pose, why); }))
-        << why;
-    EXPECT_EQ(pose.translation().x(), 3);
-    EXPECT_TRUE(is_rigid(pose));
-    EXPECT_FALSE(poses.lookup("base_link", "nowhere", Stamp{}, pose, why));
-    EXPECT_THAT(why, testing::AllOf(testing::HasSubstr("nowhere"), test::Says(says::tf_reason)));
-    EXPECT_FALSE(poses.lookup("", "laser", Stamp{}, pose, why));
-    EXPECT_THAT(why, test::Says(says::tf_unnamed));
-    EXPECT_TRUE(poses.lookup("laser", "laser", Stamp{}, pose, why));
-    expect_to_stop(connection);
+    Tf poses;
+    EXPECT_FALSE(poses.knows("base_link", "laser", Stamp{}));
+    EXPECT_THAT(poses.why, test::Says(says::tf_absent));
+    poses.connection.start();
+    EXPECT_TRUE(poses.will_know("/base_link", "laser", Stamp{5})) << poses.why;
+    EXPECT_EQ(poses.pose.translation().x(), 3);
+    EXPECT_TRUE(is_rigid(poses.pose));
+    EXPECT_FALSE(poses.knows("base_link", "nowhere", Stamp{}));
+    EXPECT_THAT(poses.why, testing::AllOf(testing::HasSubstr("nowhere"), test::Says(says::tf_reason)));
+    EXPECT_FALSE(poses.knows("", "laser", Stamp{}));
+    EXPECT_THAT(poses.why, test::Says(says::tf_unnamed));
+    EXPECT_TRUE(poses.knows("laser", "laser", Stamp{}));
   });
 }
 
@@ -312,21 +291,12 @@ TEST(TfPoses, TakeAMovingFrameAtTheStampAskedFor) {
     message.transforms[1].header.stamp = ros::Time(102, 0);
     const Child tf = talker("/tf", message);
     master.start();
-    const auto tf_poses = std::make_shared<TfPoses>();
-    TfPoses& poses = *tf_poses;
-    RosConnection connection({}, {});
-    connection.add(tf_poses);
-    connection.start();
-    Pose pose;
-    std::string why;
-    Posted nothing;
-    const Stamp middle{101'000'000'000};
-    EXPECT_TRUE(nothing.run_until([&] { return poses.lookup("odom", "base_link", middle, pose, why); }))
-        << why;
-    EXPECT_EQ(pose.translation().x(), 2);
-    EXPECT_FALSE(poses.lookup("odom", "base_link", Stamp{103'000'000'000}, pose, why));
-    EXPECT_THAT(why, testing::HasSubstr("extrapolation"));
-    expect_to_stop(connection);
+    Tf poses;
+    poses.connection.start();
+    EXPECT_TRUE(poses.will_know("odom", "base_link", Stamp{101'000'000'000})) << poses.why;
+    EXPECT_EQ(poses.pose.translation().x(), 2);
+    EXPECT_FALSE(poses.knows("odom", "base_link", Stamp{103'000'000'000}));
+    EXPECT_THAT(poses.why, testing::HasSubstr("extrapolation"));
   });
 }
 

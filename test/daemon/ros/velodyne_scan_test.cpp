@@ -7,8 +7,6 @@
 #include <ros/ros.h>
 #include <std_msgs/Header.h>
 
-#include <thread>
-
 #include "daemon/pipeline/frame_tree.h"
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/ros/connection.h"
@@ -16,6 +14,7 @@
 #include "test/sim/servers/velodyne_stream.h"
 #include "test/support/recording_sink.h"
 #include "test/support/ros_master.h"
+#include "test/support/ros_posted.h"
 
 /// The message of velodyne_msgs as its own package defines it, written here a second time.
 namespace lidard::test {
@@ -159,34 +158,17 @@ struct Listening {
   NoTransforms poses;
   test::RecordingSink sink;
   Pipeline pipeline{config, poses, sink};
-  std::mutex mutex;
-  std::vector<RosTask> waiting;
+  test::Posted posted;
   Stamp now = packets().back().arrival;  // messages come as soon as they are sent
   RosConnection connection{{}, {}};
-  std::shared_ptr<RosInputs> inputs =
-      std::make_shared<RosInputs>(std::vector<TopicSource>{{"roof", "/velodyne_packets", true}},
-                                  [this](const std::string&, RosTask task) {
-                                    const std::lock_guard lock(mutex);
-                                    waiting.push_back(std::move(task));
-                                  });
+  std::shared_ptr<RosInputs> inputs = std::make_shared<RosInputs>(
+      std::vector<TopicSource>{{"roof", "/velodyne_packets", true}}, posted.post());
 
   Listening() {
     connection.add(inputs);
     connection.start();
   }
-  bool run_until(const std::function<bool()>& done) {
-    const auto end = std::chrono::steady_clock::now() + 20s;
-    while (!done() && std::chrono::steady_clock::now() < end) {
-      std::this_thread::sleep_for(5ms);
-      std::vector<RosTask> tasks;
-      {
-        const std::lock_guard lock(mutex);
-        tasks.swap(waiting);
-      }
-      for (const auto& task : tasks) task(pipeline, now);
-    }
-    return done();
-  }
+  bool run_until(const std::function<bool()>& done) { return posted.run_until(pipeline, now, done, 20s); }
 };
 
 TEST(VelodyneScanTopic, GivesTheCloudsThatThePacketsGiveByUdp) {
