@@ -137,10 +137,10 @@ TEST(MergedScanMaker, StampsDoNotGoBackOverAChange) {
 TEST(MergedScanMaker, AChangeIsRefusedForAGridThatIsWrongOrAnOutputThatIsNotThere) {
   PipelineBench bench(two_sources(""));
   OutputScanConfig wanted = changed(bench, 180);
-  EXPECT_THAT(bench.pipeline.set_output({OutputId::Kind::virtual_group, "m"}, wanted),
+  EXPECT_THAT(bench.pipeline.set_scan({MakerId::Kind::virtual_group, "m"}, wanted),
               HasSubstr("no output named m"));
   wanted.grid.angle_max = wanted.grid.angle_min - 1;
-  EXPECT_THAT(bench.pipeline.set_output({OutputId::Kind::merged, "m"}, wanted),
+  EXPECT_THAT(bench.pipeline.set_scan({MakerId::Kind::merged, "m"}, wanted),
               HasSubstr("expected angle_min < angle_max"));
   sweep(bench, "a", ms(100));
   sweep(bench, "b", ms(100));
