@@ -26,7 +26,7 @@ std::string_view package_name(const LaunchNode& node) {
     for (const MovedPackage& package : moved_packages()) {
       const auto names = split_words(package.packages), types = split_words(package.types);
       if (given.empty() || std::find(names.begin(), names.end(), given) == names.end()) continue;
-      const bool is_known = node.type.empty() || types.empty() ||
+      const bool is_known = node.type.empty() || package.types == "*" ||
                             std::any_of(types.begin(), types.end(), [&](const std::string& part) {
                               return node.type.find(part) != std::string::npos;
                             });

@@ -59,7 +59,7 @@ struct MovedPackage {
   std::string_view packages;  ///< names in launch files and of lidard's executables, separated by blanks
   std::string_view source;    ///< source of the lists of parameters and topics
   std::string_view needed;    ///< parameters of which a parameter file of the package has one
-  std::string_view types;     ///< parts of the names of its executables that are translated; empty: all
+  std::string_view types;     ///< parts of the names of its executables that are translated; *: all
   std::vector<MovedParameter> parameters;
   std::vector<MovedTopic> topics;
 };

@@ -336,7 +336,7 @@ TEST(Import, OfTwoPosesOfAFrameThatOfTheDriverIsLeftOut) {
   EXPECT_TRUE(pose_of(imported)->isApprox(make_pose({2, 0, 0}, {0, 0, 0}), 1e-9));
   EXPECT_THAT(imported.changes,
               ElementsAre(HasSubstr("by /tim (pose: {xyz: [0, 0, 0], rpy_deg: [0, 0, 0]}) was left "
-                                    "out: that by /place is another one"),
+                                    "out: that by /publisher is another one"),
                           HasSubstr("base_frame is map")));
 }
 
