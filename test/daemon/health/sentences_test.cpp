@@ -210,7 +210,7 @@ TEST(Sentences, OfTheMountsOfAMerge) {
   pair.is_wrong = true;
   state.status.merge->mounts = {pair};
   EXPECT_THAT(state.says(),
-              AllOf(Says(says::mount_wrong), Says(says::a_mount), HasSubstr("since 00:04:03 UTC")));
+              AllOf(Says(says::mount_wrong), Says(says::a_mount), HasSubstr("since 00:17:23 UTC")));
   EXPECT_THAT(state.says(), AllOf(Says(says::correction), Says(says::undetermined)));
   EXPECT_THAT(state.value("Mount check a/b"), Says(says::mount_check));
   state.status.merge->wrong_mount = 0;

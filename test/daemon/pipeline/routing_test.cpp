@@ -198,7 +198,7 @@ TEST(Routing, ASilentSensorIsToldOfAnUnknownSenderToItsOwnPortAlone) {
   vehicle.pipeline->tick(bench_begin + std::chrono::seconds(1));
   const auto items = items_of(*vehicle.pipeline, bench_begin + std::chrono::seconds(1));
   EXPECT_EQ(items[0].message,
-            "nothing received from 10.0.0.10 to port 2368; but there are packets from 10.0.0.20 -> port 2368 "
+            "nothing received from 10.0.0.10 to port 2368, but there are packets from 10.0.0.20 -> port 2368 "
             "(1 packets); correct ip_address?");
   EXPECT_EQ(items[1].message,
             "nothing received from 10.0.0.11 to port 23; check the sensor's power, its destination address "
