@@ -186,17 +186,6 @@ std::string two_devices_text(const std::string& address, const std::string& who)
   return "two devices have the address " + address + " (" + who + "); give one of them another IP address";
 }
 
-DiagnosticItem settings_item(const std::string& sensor, const SettingsStatus& status) {
-  using Level = SettingsStatus::Level;
-  DiagnosticItem item{"sensor " + sensor + " control", status.serial.empty() ? sensor : status.serial};
-  item.health = status.level == Level::ok     ? Health::ok
-                : status.level == Level::warn ? Health::warn
-                                              : Health::error;
-  item.message = status.message;
-  item.values = status.details;
-  return item;
-}
-
 DiagnosticItem unknown_senders_item(const std::vector<std::string>& senders) {
   DiagnosticItem item{"unknown senders", "none"};
   item.set(Health::warn,
