@@ -58,13 +58,13 @@ const std::vector<std::string_view> known_of_laser = keys_of_laser();
 const std::vector<std::string_view> known_of_file = {"num_lasers", "distance_resolution", "lasers"};
 
 /// The distance step to use, with a warning: common VLS-128 files have 7 mm, but the sensor counts in 4 mm.
-double guarded_step(double step_m, std::size_t lasers, const std::string& place,
+double guarded_step(double step_m, std::size_t lasers, const std::string& where,
                     std::vector<std::string>& warnings) {
   constexpr double wrong_step_m = 0.007;
   constexpr double right_step_m = 0.004;  // VLS-128 user manual 63-9483
   if (lasers != static_cast<std::size_t>(most_lasers) || std::abs(step_m - wrong_step_m) > 1e-6)
     return step_m;
-  warnings.push_back(place + ": a distance step of 7 mm is a known mistake of VLS-128 files; 4 mm is used");
+  warnings.push_back(where + ": a distance step of 7 mm is a known mistake of VLS-128 files; 4 mm is used");
   return right_step_m;
 }
 
@@ -201,14 +201,14 @@ class XmlCalibration {
         step == nullptr ? usual_step_cm * m_per_cm
                         : number(*step, finest_step_m / m_per_cm, coarsest_step_m / m_per_cm) * m_per_cm;
     const int line = step == nullptr ? db->GetLineNum() : step->GetLineNum();
-    calibration.distance_step_m = guarded_step(step_m, calibration.lasers.size(), place(line), warnings_);
+    calibration.distance_step_m = guarded_step(step_m, calibration.lasers.size(), where(line), warnings_);
     return calibration;
   }
 
  private:
-  std::string place(int line) const { return name_ + ":" + std::to_string(line); }
+  std::string where(int line) const { return name_ + ":" + std::to_string(line); }
   [[noreturn]] void fail(int line, const std::string& what, const std::string& expected) const {
-    throw ConfigError(place(std::max(line, 1)) + ": " + what + "; expected " + expected);
+    throw ConfigError(where(std::max(line, 1)) + ": " + what + "; expected " + expected);
   }
 
   double number(const XMLElement& element, double lowest, double highest) const {

@@ -15,8 +15,7 @@ constexpr Hundredths same_edge = 100;
 /// Half the step on the wire, for both ends of an interpolation.
 constexpr Hundredths tolerance = 1;
 constexpr int turns_for_certainty = 10;
-/// Packets that a stream without every second packet hardly loses in places given before: one chance in
-/// 2^18 for each place.
+/// So many given packets are hardly lost by chance, even if every second one is: once in 2^18.
 constexpr std::int64_t beyond_chance = 18;
 
 /// From `a` clockwise to `b`, all in [0, whole_turn).

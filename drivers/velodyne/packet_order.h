@@ -16,7 +16,7 @@
 
 namespace lidard::velodyne {
 
-/// A data packet with its place in the stream.
+/// A data packet with its index in the stream.
 struct OrderedPacket {
   std::array<std::uint8_t, packet_size> bytes;
   Stamp arrival;

@@ -199,7 +199,7 @@ class VelodyneDriver final : public DriverBase {
         sequence.in_packet = schedule.begin[g] + into_group;
         const double azimuth = azimuths.group_deg(g) + schedule.rate_deg_per_s * seconds(into_group);
         sequence.azimuth_deg = azimuth < 360 ? azimuth : azimuth - 360;
-        frames_.place(sequence, time + sequence.in_packet, clock_, out);
+        frames_.find_frame(sequence, time + sequence.in_packet, clock_, out);
         for (std::size_t echo = 0; echo < layout.echoes; ++echo) {
           sequence.echo = static_cast<std::uint8_t>(echo);
           for (std::size_t bank = 0; bank < layout.banks; ++bank) {
