@@ -89,7 +89,6 @@ class SideDialogue : public Dialogue {
   void connected(Stamp now, FrameReceiver& out) {
     phase_ = Phase::talking;
     talked_ = true;
-    complete_ = failed_ = false;
     begin();
     begin_script(now, out);
   }
@@ -97,11 +96,7 @@ class SideDialogue : public Dialogue {
   virtual void receive(const Packet& packet, FrameReceiver& out) = 0;
   /// The connection ended, or was refused.
   void disconnected() {
-    if (phase_ == Phase::talking) {
-      failed_ = true;
-      ended_ = now_;
-      cut_off();
-    }
+    if (phase_ == Phase::talking) end(cut_off());
     phase_ = Phase::idle;
   }
   /// `last_data`: when the device last sent a datagram of its data; empty: never.
@@ -122,40 +117,48 @@ class SideDialogue : public Dialogue {
   }
 
  protected:
+  /// How a connection ended: every possible step was done; the dialogue is repeated after a growing pause; or
+  /// the next connection continues it.
+  enum class End : std::uint8_t { complete, failed, goes_on };
+
   /// A connection was made: drops the state of a former one.
   virtual void begin() = 0;
   /// The last question was not answered.
   virtual void silent(FrameReceiver& out) = 0;
   /// The device closed the connection in the middle of the dialogue.
-  virtual void cut_off() = 0;
+  virtual End cut_off() = 0;
 
   bool is_talking() const { return phase_ == Phase::talking; }
-  void ask(const std::vector<std::uint8_t>& question, FrameReceiver& out) {
+  void ask(ByteView question, FrameReceiver& out) {
     patience_.start(now_, patience_limit_);
-    send(question, out);
+    out.request(question);
   }
-  /// `complete`: every possible step was done; otherwise the dialogue is repeated after a pause.
-  void hang_up(bool complete, FrameReceiver& out) {
-    complete_ = complete;
-    failed_ = !complete;
-    ended_ = now_;
-    phase_ = Phase::idle;
+  void hang_up(End how, FrameReceiver& out) {
+    end(how);
     out.disconnect(false);
   }
+
+  Span pause_ = std::chrono::milliseconds(500);  ///< before another connection if none has failed
 
  private:
   enum class Phase : std::uint8_t { idle, dialling, talking };
 
+  void end(End how) {
+    end_ = how;
+    ended_ = now_;
+    phase_ = Phase::idle;
+  }
   bool is_due() {
     /// After this silence the device may have lost its settings.
     const Span silence = std::max<Span>(std::chrono::seconds(1), 3 * interval_);
     const bool stopped = !last_data_ || now_ - *last_data_ > silence;
-    if (stopped && last_data_ && *last_data_ > ended_) complete_ = failed_ = false;
-    if (!wanted_ || (complete_ && !(restores_ && stopped))) return false;
-    const bool in_vain = complete_ && (!last_data_ || *last_data_ < last_dial_);
-    if (!talked_ || !(failed_ || in_vain)) {
-      fruitless_pause_ = first_fruitless_pause;
-      return !last_dial_ || now_ - *last_dial_ >= std::chrono::milliseconds(500);
+    if (stopped && last_data_ && *last_data_ > ended_) end_.reset();
+    const bool complete = end_ == End::complete;
+    if (!wanted_ || (complete && !(restores_ && stopped))) return false;
+    const bool in_vain = complete && (!last_data_ || *last_data_ < last_dial_);
+    if (!talked_ || !(end_ == End::failed || in_vain)) {
+      if (end_ != End::goes_on) fruitless_pause_ = first_fruitless_pause;
+      return !last_dial_ || now_ - std::max(*last_dial_, ended_) >= pause_;
     }
     if (now_ - ended_ < fruitless_pause_) return false;
     fruitless_pause_ = std::min<Span>(2 * fruitless_pause_, std::chrono::seconds(60));
@@ -171,10 +174,9 @@ class SideDialogue : public Dialogue {
   std::optional<Stamp> last_dial_, last_data_;
   Span interval_{0};  // between data, when last there were any
   Span fruitless_pause_ = first_fruitless_pause;
-  bool talked_ = false;    // the last attempt to connect succeeded
-  bool complete_ = false;  // the last dialogue was completed
-  bool failed_ = false;    // the last dialogue was broken off
-  Stamp ended_{};          // when the last dialogue ended
+  bool talked_ = false;     // the last attempt to connect succeeded
+  std::optional<End> end_;  // of the last connection; empty: none since the stream stopped
+  Stamp ended_{};           // when it ended
 };
 
 }  // namespace lidard

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -99,15 +100,12 @@ struct DeviceInfo {
     }
     details.emplace_back(key, value);
   }
-};
-
-/// Status of a device's settings, from drivers that read them.
-struct SettingsStatus {
-  enum class Level : std::uint8_t { ok, warn, error };
-  Level level = Level::ok;
-  std::string message;  ///< one sentence, with the remedy when the level is not ok
-  std::string serial;   ///< empty: unknown
-  std::vector<std::pair<std::string, std::string>> details;  ///< for diagnostics, in display order
+  /// Removes the warning `before` and appends `after`; empty: none.
+  void replace_warning(std::string_view before, std::string_view after) {
+    if (before == after) return;
+    warnings.erase(std::remove(warnings.begin(), warnings.end(), before), warnings.end());
+    if (!after.empty()) warnings.emplace_back(after);
+  }
 };
 
 struct DriverConfig;
@@ -140,8 +138,6 @@ class Driver {
   virtual const DeviceClock* clock() const { return nullptr; }
   /// False if the device sends no time, so that the clock counts nominal intervals.
   virtual bool sends_time() const { return true; }
-  /// Empty: the driver reads no settings.
-  virtual std::optional<SettingsStatus> settings(Stamp /*now*/) const { return std::nullopt; }
 };
 
 /// Properties of the driver's device, with a warning if its packets have no arrival times; `input`: their

@@ -27,9 +27,9 @@ struct VelodyneSettings {
   bool any() const;
 };
 
-/// `control:` of a sensor: permitted use of its web interface.
+/// `control:` of a sensor: settings of its web interface. Without wanted ones there is no traffic to the
+/// sensor.
 struct VelodyneControl : FamilySettings {
-  bool read = false;         ///< false: no traffic to the sensor
   bool allow_write = false;  ///< writes settings that differ from `wanted`
   std::uint16_t port = 80;
   IpAddress address;            ///< the sensor's
@@ -37,7 +37,7 @@ struct VelodyneControl : FamilySettings {
   VelodyneSettings wanted;
 };
 
-/// The permitted use of a sensor's web interface; nullptr: none.
+/// The wanted settings of a sensor; nullptr: none.
 inline const VelodyneControl* web_control(const DriverConfig& config) {
   return static_cast<const VelodyneControl*>(config.control.get());
 }

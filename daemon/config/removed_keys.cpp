@@ -24,8 +24,11 @@ constexpr RemovedKey removed_keys[] = {
     {"sensors.*.control.host", "host_address, host_port, host_telemetry_port"},
     {"sensors.*.control.laser", "no such key: switch the laser in the sensor's web page"},
     {"sensors.*.control.phase_lock", "no such key: set the phase lock in the sensor's web page"},
+    {"sensors.*.control.read",
+     "no such key: the settings given in control are compared by themselves; the sensor's state stands in "
+     "its web page"},
     {"sensors.*.control.save", "no such key: settings are written again when the sensor comes back"},
-    {"sensors.*.control.period", "no such key: the sensor is read every 10 s"},
+    {"sensors.*.control.period", "no such key: settings are compared when the sensor appears"},
     {"sensors.*.filter.intensity_max", "no such key: intensity_min removes weak returns"},
     {"merged_scans.*.source_settings.*.intensity_*",
      "no such key: a limit that is set in the scanner, if it has one"},

@@ -96,7 +96,7 @@ void check_control_of(const Mapping& parent, SensorConfig& sensor, Reading& read
   sensor.control.data_port = sensor.ip_port;
   if (!parent.has("control")) return;
   check_control(parent.inside("control"), sensor.ip_address, sensor.control, reading.warnings);
-  if (sensor.control.read) sensor.driver.control = std::make_shared<VelodyneControl>(sensor.control);
+  if (sensor.control.wanted.any()) sensor.driver.control = std::make_shared<VelodyneControl>(sensor.control);
 }
 
 void check_frames(const Mapping& yaml, DriverConfig& driver) {

@@ -60,8 +60,6 @@ std::vector<DiagnosticItem> items_of(const Pipeline& pipeline, Stamp now) {
   std::vector<DiagnosticItem> items;
   for (const SensorStatus& sensor : status.sensors)
     items.push_back(sensor_health(sensor, *status.unknown_senders, now));
-  for (const SensorStatus& sensor : status.sensors)
-    if (sensor.settings) items.push_back(settings_item(sensor.name, *sensor.settings));
   if (status.motion) items.push_back(motion_health(*status.motion));
   for (const MakerStatus& maker : status.makers) items.push_back(output_health(maker, now));
   if (const auto names = status.unknown_senders->names(now - UnknownSenders::expires_after); !names.empty())

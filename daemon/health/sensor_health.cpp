@@ -175,17 +175,6 @@ DiagnosticItem sensor_health(const SensorStatus& report, const UnknownSenders& u
   return item;
 }
 
-DiagnosticItem settings_item(const std::string& sensor, const SettingsStatus& status) {
-  using Level = SettingsStatus::Level;
-  DiagnosticItem item{"sensor " + sensor + " control", status.serial.empty() ? sensor : status.serial};
-  item.health = status.level == Level::ok     ? Health::ok
-                : status.level == Level::warn ? Health::warn
-                                              : Health::error;
-  item.message = status.message;
-  item.values = status.details;
-  return item;
-}
-
 DiagnosticItem unknown_senders_item(const std::vector<std::string>& senders) {
   DiagnosticItem item{"unknown senders", "none"};
   senders.size() > 1 ? item.set<says::unknown_senders>(senders.front())

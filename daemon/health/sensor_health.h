@@ -13,9 +13,6 @@ namespace lidard {
 /// A sensor's item on /diagnostics: the amount of data and, if it is too small, the probable cause.
 DiagnosticItem sensor_health(const SensorStatus& report, const UnknownSenders& unknown, Stamp now);
 
-/// "sensor NAME control": the driver's status of the device's settings.
-DiagnosticItem settings_item(const std::string& sensor, const SettingsStatus& status);
-
 /// The item on senders to configured ports that belong to no sensor; at least one.
 DiagnosticItem unknown_senders_item(const std::vector<std::string>& senders);
 

@@ -255,7 +255,7 @@ PipelineStatus Pipeline::status(Stamp now) const {
   PipelineStatus status;
   status.now = now;
   for (const auto& sensor : sensors_) {
-    status.sensors.push_back(sensor->status(now));
+    status.sensors.push_back(sensor->status());
     status.sensors.back().starting = start_.is_starting(now, sensor->begun);
   }
   status.motion = motion_.status(context_.now);

@@ -267,7 +267,7 @@ void Sensor::restart() {
   watch_.restart();
 }
 
-SensorStatus Sensor::status(Stamp now) const {
+SensorStatus Sensor::status() const {
   SensorStatus status;
   status.name = config_.name;
   status.config = &config_;
@@ -278,7 +278,6 @@ SensorStatus Sensor::status(Stamp now) const {
   else if (driver_)
     // The kernel stamps live packets; of those that waited while the daemon was stopped many have one stamp.
     status.info = context_.connections != nullptr ? driver_->info() : info_of(*driver_);
-  if (driver_ && context_.connections != nullptr) status.settings = driver_->settings(now);
   if (filter_) status.filters.push_back({topic_->name(), filter_->counters()});
   if (filter_ && ring_topic_ != nullptr)
     status.filters.push_back({ring_topic_->name(), ring_filter_->counters()});

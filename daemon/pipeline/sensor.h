@@ -75,7 +75,7 @@ class Sensor final : public FrameReceiver {
   /// The input starts again.
   void restart();
 
-  SensorStatus status(Stamp now) const;
+  SensorStatus status() const;
 
   void scan(PlanarScan& scan) override;
   void cloud(Cloud& cloud) override;

@@ -42,7 +42,6 @@ struct SensorStatus {
   const SensorConfig* config = nullptr;  ///< valid as long as the sensor is configured
   Counters counters;
   DeviceInfo info;
-  std::optional<SettingsStatus> settings;  ///< none: the driver does not read them
   std::vector<FilterStatus> filters;       ///< of its own frames, then of the ring that is a scan
   std::optional<PoseGate> gate;            ///< of its clouds; none: they are not transformed
   bool seen = false;                       ///< data was received

@@ -19,7 +19,7 @@ struct ModelRow;
 /// Rings in ascending order of elevation, equal ones in order of the laser's number.
 std::vector<std::uint16_t> rings_by_elevation(const Calibration& calibration);
 
-/// Places returns with a calibration; terms that do not depend on the return are precomputed.
+/// Transforms returns with a calibration; terms that do not depend on the return are precomputed.
 ///
 /// With D the distance with its far correction, ω the elevation, α the azimuth without rot_correction, v and
 /// h the offsets (sensor frame: Y ahead, X right):
@@ -54,7 +54,7 @@ class CalibratedGeometry {
     double focal, focal_slope;
     double min_intensity, max_intensity;
     bool two_point;
-    /// True if distance and angles alone place a return and intensities are raw.
+    /// True if distance and angles alone give a point and intensities are raw.
     bool is_straight() const {
       return horiz_offset == 0 && !two_point && focal_slope == 0 && min_intensity <= 0 &&
              max_intensity >= 255;

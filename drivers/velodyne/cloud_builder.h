@@ -53,7 +53,7 @@ class CloudBuilder {
   }
   /// Finds the frame of a sequence whose first laser fires at device time `time` and fills in the dependent
   /// times. Call once per sequence, then append() for each of its returns.
-  void place(Sequence& sequence, Span time, const DeviceClock& clock, FrameReceiver& out) {
+  void find_frame(Sequence& sequence, Span time, const DeviceClock& clock, FrameReceiver& out) {
     auto verdict = within_ ? RevolutionCutter::Verdict::same : cutter_.next(sequence.azimuth_deg, time);
     if (++sequences_ > most_sequences_) verdict = RevolutionCutter::Verdict::forced;
     if (!in_stream_) {
@@ -75,7 +75,7 @@ class CloudBuilder {
     if (visible_) unpacker_.append(sequence, cloud_);
   }
   /// Call after a packet's sequences.
-  void end_packet() { unpacker_.place(cloud_, points_); }
+  void end_packet() { unpacker_.transform(cloud_, points_); }
   /// Ends the current frame: the stream ended or its clock jumped.
   void cut_off(FrameReceiver& out) {
     end(false, out);
@@ -163,7 +163,7 @@ class CloudBuilder {
   void end(bool at_cut, FrameReceiver& out) {
     if (!in_stream_) return;
     in_stream_ = false;
-    unpacker_.place(cloud_, points_);
+    unpacker_.transform(cloud_, points_);
     if (cloud_.columns.empty()) return;
     cloud_.complete = began_at_cut_ && at_cut;
     if (!cloud_.complete && !config_.keep_partial) {

@@ -151,7 +151,7 @@ void Hdl64Status::read_calibration(int index, std::uint8_t type, std::uint8_t va
   }
   if (follow_token(index, value) || cycle_ < 0) return;
   if (!is_landmark_right(index, value) || pending_count_ == pending_.size()) {
-    lose_place();
+    lose_position();
     return;
   }
   pending_[pending_count_++] = {static_cast<std::uint16_t>(cycle_ * bytes_per_cycle + index), value};
@@ -167,13 +167,13 @@ bool Hdl64Status::follow_token(int index, std::uint8_t value) {
     commit();
     finish_round();
   } else if (cycle_ > 0) {
-    lose_place();
+    lose_position();
   }
   cycle_ = 0;
   return true;
 }
 
-/// True if a landmark confirms the place of the bytes before it.
+/// True if a landmark confirms the position of the bytes before it.
 bool Hdl64Status::is_landmark_right(int index, std::uint8_t value) {
   if (cycle_ == 0 && index < static_cast<int>(sizeof token))
     return value == static_cast<std::uint8_t>(token[index]);
@@ -184,7 +184,7 @@ bool Hdl64Status::is_landmark_right(int index, std::uint8_t value) {
   return true;
 }
 
-void Hdl64Status::lose_place() {
+void Hdl64Status::lose_position() {
   pending_count_ = 0;
   cycle_ = -1;
   ++resynchronisations_;

@@ -49,7 +49,7 @@ std::vector<std::pair<std::string, std::string>> hdl64_details(const Hdl64Info& 
 ///
 /// Later rounds fill the holes of lost packets: every byte is counted separately, and bytes between two
 /// landmarks (the token "UNIT#" and the numbers of the lasers) count only if the second landmark is at its
-/// expected place. The calibration is accepted when every byte was the same three times in succession or,
+/// expected position. The calibration is accepted when every byte was the same three times in succession or,
 /// from an S3, when the checksum is right.
 class Hdl64Status {
  public:
@@ -61,7 +61,7 @@ class Hdl64Status {
   /// Empty until accepted; a new object after a change. Its model is `exact`.
   const std::shared_ptr<const Calibration>& calibration() const { return calibration_; }
   const Hdl64Info& info() const { return info_; }
-  /// How often the place in the round was lost (many consecutive packets were missing).
+  /// How often the position in the round was lost (many consecutive packets were missing).
   std::uint32_t resynchronisations() const { return resynchronisations_; }
 
  private:
@@ -81,7 +81,7 @@ class Hdl64Status {
   void read_calibration(int index, std::uint8_t type, std::uint8_t value);
   bool follow_token(int index, std::uint8_t value);
   bool is_landmark_right(int index, std::uint8_t value);
-  void lose_place();
+  void lose_position();
   void commit();
   void finish_round();
   void read_settings();

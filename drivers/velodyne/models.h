@@ -30,9 +30,9 @@ const ModelRow* family_of(ByteView payload);
 
 /// Driver of the spinning Velodynes; `config.model` must be one of velodyne::append_models().
 ///
-/// Frames are revolutions, cut per firing sequence at `config.cut_angle`. A packet that is late by one place
-/// is reordered; a duplicate is dropped. The first and the last revolution of a stream are published only
-/// with `keep_partial`.
+/// Frames are revolutions, cut per firing sequence at `config.cut_angle`. A packet that comes after its
+/// successor is reordered; a duplicate is dropped. The first and the last revolution of a stream are
+/// published only with `keep_partial`.
 std::unique_ptr<Driver> make_driver(const DriverConfig& config);
 
 }  // namespace lidard::velodyne

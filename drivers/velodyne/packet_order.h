@@ -10,13 +10,13 @@
 
 #include "core/base/counters.h"
 #include "core/base/time.h"
-#include "drivers/velodyne/hidden_sectors.h"
+#include "drivers/velodyne/hidden_sector.h"
 #include "drivers/velodyne/models.h"
 #include "drivers/velodyne/packet.h"
 
 namespace lidard::velodyne {
 
-/// A data packet with its place in the stream.
+/// A data packet with its index in the stream.
 struct OrderedPacket {
   std::array<std::uint8_t, packet_size> bytes;
   Stamp arrival;
@@ -296,7 +296,7 @@ class PacketOrder {
   std::size_t late_in_row_ = 0;
   const Timing* timing_;
   bool decided_;
-  HiddenSectors hidden_;
+  HiddenSector hidden_;
   std::array<Hole, 16> early_{};  // before the timing variant, which gives their packets, was known
   std::size_t early_count_ = 0;
   double turn_rate_ = 0;

@@ -91,10 +91,10 @@ struct SequenceKernels {
   /// Fills in cosines and sines, to 1e-15.
   void (*find_directions)(const WholeDegrees& whole, SequenceArrays& sequences);
   /// Writes the returns of sequences to `out`. Needs find_directions().
-  void (*place)(const LaserArrays& lasers, SequenceArrays& sequences, std::uint8_t* out);
+  void (*transform)(const LaserArrays& lasers, SequenceArrays& sequences, std::uint8_t* out);
   /// Writes the returns of sequences with all terms of a calibration.
-  void (*place_calibrated)(const LaserArrays& lasers, const CalibrationArrays& calibration,
-                           SequenceArrays& sequences, std::uint8_t* out);
+  void (*transform_calibrated)(const LaserArrays& lasers, const CalibrationArrays& calibration,
+                               SequenceArrays& sequences, std::uint8_t* out);
 };
 
 /// For any processor.

@@ -47,22 +47,22 @@ inline void read_slots(const std::uint8_t* from, Slots& slots) {
 }
 
 /// Byte offsets of eight points and of their end, by the mask of returns.
-struct PlaceTable {
+struct OffsetTable {
   std::uint8_t at[256][16];
 };
-constexpr PlaceTable make_place_table() {
-  PlaceTable table{};
+constexpr OffsetTable make_offset_table() {
+  OffsetTable table{};
   for (unsigned mask = 0; mask < 256; ++mask) {
-    unsigned place = 0;
+    unsigned returns = 0;
     for (unsigned k = 0; k < lanes; ++k) {
-      table.at[mask][k] = static_cast<std::uint8_t>(place * point_step);
-      place += mask >> k & 1U;
+      table.at[mask][k] = static_cast<std::uint8_t>(returns * point_step);
+      returns += mask >> k & 1U;
     }
-    table.at[mask][lanes] = static_cast<std::uint8_t>(place * point_step);
+    table.at[mask][lanes] = static_cast<std::uint8_t>(returns * point_step);
   }
   return table;
 }
-constexpr PlaceTable place_table = make_place_table();
+constexpr OffsetTable offset_table = make_offset_table();
 
 /// Stores a point and bytes after it, which the next point overwrites; overlapping stores are slow.
 inline void store(std::uint8_t* to, __m256i xyzi_ring_time) {
@@ -95,7 +95,7 @@ inline std::uint8_t* write_returns(const LaserArrays& lasers, std::size_t k, con
   const __m256i none = _mm256_or_si256(_mm256_cmpgt_epi32(load(lasers.nearest + k), count),
                                        _mm256_cmpgt_epi32(count, load(lasers.farthest + k)));
   const int mask = ~_mm256_movemask_ps(_mm256_castsi256_ps(none)) & 0xFF;
-  const std::uint8_t* at = place_table.at[mask];
+  const std::uint8_t* at = offset_table.at[mask];
   const __m256 x = _mm256_load_ps(p.x), y = _mm256_load_ps(p.y);
   const __m256 z = _mm256_load_ps(p.z), intensity = _mm256_load_ps(p.intensity);
   const __m256 xy01 = _mm256_unpacklo_ps(x, y), xy23 = _mm256_unpackhi_ps(x, y);
@@ -157,8 +157,8 @@ void turn_lasers(LaserArrays& lasers, double rate) {
 
 /// Points of `lanes` lasers. The sensor counts azimuth clockwise from ahead; ROS has x ahead and y to the
 /// left.
-inline void place_lanes(const LaserArrays& lasers, const SequenceArrays& sequences, std::size_t n,
-                        std::size_t first, const Slots& slots, Points& p) {
+inline void transform_lanes(const LaserArrays& lasers, const SequenceArrays& sequences, std::size_t n,
+                            std::size_t first, const Slots& slots, Points& p) {
   const auto cos_a = static_cast<float>(sequences.cosine[n]);
   const auto sin_a = static_cast<float>(sequences.sine[n]);
   for (std::size_t i = 0; i < lanes; ++i) {
@@ -175,10 +175,10 @@ inline void place_lanes(const LaserArrays& lasers, const SequenceArrays& sequenc
   }
 }
 
-/// CalibratedGeometry::place for `lanes` lasers.
-inline void place_lanes_calibrated(const LaserArrays& lasers, const CalibrationArrays& c,
-                                   const SequenceArrays& sequences, std::size_t n, std::size_t first,
-                                   const Slots& slots, Points& p) {
+/// The equations of CalibratedGeometry for `lanes` lasers.
+inline void transform_lanes_calibrated(const LaserArrays& lasers, const CalibrationArrays& c,
+                                       const SequenceArrays& sequences, std::size_t n, std::size_t first,
+                                       const Slots& slots, Points& p) {
   const auto cos_a = static_cast<float>(sequences.cosine[n]);
   const auto sin_a = static_cast<float>(sequences.sine[n]);
   for (std::size_t i = 0; i < lanes; ++i) {
@@ -206,9 +206,9 @@ inline void place_lanes_calibrated(const LaserArrays& lasers, const CalibrationA
 }
 
 /// Processes `lanes` slots at a time, in order of sequences and banks.
-template <typename PlaceLanes>
+template <typename TransformLanes>
 inline void for_all_lanes(const LaserArrays& lasers, SequenceArrays& sequences, std::uint8_t* out,
-                          PlaceLanes place_points) {
+                          TransformLanes transform_points) {
   const std::size_t per_bank = lasers.size / lasers.banks;
   for (std::size_t n = 0; n < sequences.size; ++n) {
     std::size_t first = 0;
@@ -218,7 +218,7 @@ inline void for_all_lanes(const LaserArrays& lasers, SequenceArrays& sequences, 
         Slots slots;
         Points p;
         read_slots(slot, slots);
-        place_points(n, first, slots, p);
+        transform_points(n, first, slots, p);
         out = write_returns(lasers, first, slots, p, out);
       }
     }
@@ -226,16 +226,16 @@ inline void for_all_lanes(const LaserArrays& lasers, SequenceArrays& sequences, 
   }
 }
 
-void place(const LaserArrays& lasers, SequenceArrays& sequences, std::uint8_t* out) {
+void transform(const LaserArrays& lasers, SequenceArrays& sequences, std::uint8_t* out) {
   for_all_lanes(lasers, sequences, out, [&](std::size_t n, std::size_t first, const Slots& slots, Points& p) {
-    place_lanes(lasers, sequences, n, first, slots, p);
+    transform_lanes(lasers, sequences, n, first, slots, p);
   });
 }
 
-void place_calibrated(const LaserArrays& lasers, const CalibrationArrays& calibration,
-                      SequenceArrays& sequences, std::uint8_t* out) {
+void transform_calibrated(const LaserArrays& lasers, const CalibrationArrays& calibration,
+                          SequenceArrays& sequences, std::uint8_t* out) {
   for_all_lanes(lasers, sequences, out, [&](std::size_t n, std::size_t first, const Slots& slots, Points& p) {
-    place_lanes_calibrated(lasers, calibration, sequences, n, first, slots, p);
+    transform_lanes_calibrated(lasers, calibration, sequences, n, first, slots, p);
   });
 }
 
@@ -244,19 +244,19 @@ void place_calibrated(const LaserArrays& lasers, const CalibrationArrays& calibr
 void find_directions(const WholeDegrees& whole, SequenceArrays& sequences) {
   constexpr double rad_per_deg = 3.14159265358979323846 / 180;
   for (std::size_t i = 0; i < sequences.size; ++i) {
-    int place = static_cast<int>(sequences.azimuth_deg[i] + (whole_turn_deg + 0.5));
-    place = place < 0 ? 0 : place;
-    place = place > 2 * whole_turn_deg ? 2 * whole_turn_deg : place;
-    const double rest = (sequences.azimuth_deg[i] - (place - whole_turn_deg)) * rad_per_deg;
+    int index = static_cast<int>(sequences.azimuth_deg[i] + (whole_turn_deg + 0.5));
+    index = index < 0 ? 0 : index;
+    index = index > 2 * whole_turn_deg ? 2 * whole_turn_deg : index;
+    const double rest = (sequences.azimuth_deg[i] - (index - whole_turn_deg)) * rad_per_deg;
     const double square = rest * rest;
     const double cosine = 1 - square * (1.0 / 2 - square * (1.0 / 24));
     const double sine = rest * (1 - square * (1.0 / 6 - square * (1.0 / 120)));
-    sequences.cosine[i] = whole[place].cosine * cosine - whole[place].sine * sine;
-    sequences.sine[i] = whole[place].sine * cosine + whole[place].cosine * sine;
+    sequences.cosine[i] = whole[index].cosine * cosine - whole[index].sine * sine;
+    sequences.sine[i] = whole[index].sine * cosine + whole[index].cosine * sine;
   }
 }
 
-constexpr SequenceKernels kernels = {&turn_lasers, &find_directions, &place, &place_calibrated};
+constexpr SequenceKernels kernels = {&turn_lasers, &find_directions, &transform, &transform_calibrated};
 
 }  // namespace
 }  // namespace lidard::velodyne

@@ -213,11 +213,7 @@ void TelemetryReceiver::judge_expectation(Stamp now, DeviceInfo& info) {
       !synchronised && text_of(claim_).warning.empty() && now - *unsynchronised_since_ >= patience_for_pps;
   if (warn == warned_unsynchronised_) return;
   warned_unsynchronised_ = warn;
-  auto& all = info.warnings;
-  if (warn)
-    all.emplace_back(unsynchronised);
-  else
-    all.erase(std::remove(all.begin(), all.end(), unsynchronised), all.end());
+  info.replace_warning(warn ? "" : unsynchronised, warn ? unsynchronised : "");
 }
 
 void TelemetryReceiver::advance_clock(std::uint32_t toh_us, Stamp arrival) {
@@ -281,12 +277,7 @@ void TelemetryReceiver::send_imu(const RawImu& raw, FrameReceiver& out) {
 }
 
 void TelemetryReceiver::set_claim(ClockClaim claim, DeviceInfo& info) {
-  if (claim != claim_) {
-    const std::string_view before = text_of(claim_).warning;
-    auto& all = info.warnings;
-    if (!before.empty()) all.erase(std::remove(all.begin(), all.end(), before), all.end());
-    if (!text_of(claim).warning.empty()) all.emplace_back(text_of(claim).warning);
-  }
+  info.replace_warning(text_of(claim_).warning, text_of(claim).warning);
   claim_ = claim;
   if (claim == ClockClaim::silent) info.set("Sensor clock", text_of(claim).state);
 }

@@ -79,9 +79,9 @@ void TimingChooser::add(Span step, std::size_t sequences) {
   steps_[slot] = one;
   sum_ += one;
   ++count_;
-  const auto place = std::upper_bound(sorted_.begin(), end, one);
-  std::move_backward(place, end, end + 1);
-  *place = one;
+  const auto position = std::upper_bound(sorted_.begin(), end, one);
+  std::move_backward(position, end, end + 1);
+  *position = one;
   const std::int64_t median = sorted_[static_cast<std::size_t>(end + 1 - sorted_.begin()) / 2];
   for (const Timing& timing : row_.timings) {
     if (std::abs(timing.sequence.count() - median) < std::abs(chosen_->sequence.count() - median))
@@ -102,8 +102,8 @@ constexpr double table_weight = 500;
 constexpr double period_window = 50'000;
 /// Packets, about a fifth of a turn; the motor changes its speed slowly.
 constexpr double turn_window = 512;
-/// The azimuth counts if a packet is late by at most this number of places or early by as many periods.
-constexpr double latest_place = 8;
+/// The azimuth counts if a packet is at most this number of packets late or as many periods early.
+constexpr double latest_packets = 8;
 constexpr double slack_packets = 10;
 /// After a longer pause the number of turns is unknown.
 constexpr Span longest_pause = std::chrono::seconds(1);
@@ -150,7 +150,7 @@ double ArrivalStamps::packets_since(Span elapsed, double azimuth_deg) const {
       return std::max(1.0,
                       std::round(part + packets_per_turn * std::floor((most - part) / packets_per_turn)));
     // More than can have been sent since: the packet is before the last one.
-    if (packets_per_turn - part <= latest_place) return std::round(part - packets_per_turn);
+    if (packets_per_turn - part <= latest_packets) return std::round(part - packets_per_turn);
   }
   return std::max(1.0, std::round(by_arrival));
 }
@@ -160,7 +160,7 @@ bool ArrivalStamps::is_repeated(const std::uint8_t* packet) const {
 }
 
 void ArrivalStamps::learn(Span elapsed, double turned, double packets) {
-  constexpr double certain = 4;  // places that are unambiguous despite the jitter
+  constexpr double certain = 4;  // packets that are counted right despite the jitter
   if (packets < 1 || packets > certain) return;
   const auto usual_ns = static_cast<double>(usual_period_.count());
   const auto elapsed_ns = static_cast<double>(elapsed.count());

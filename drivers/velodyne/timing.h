@@ -27,8 +27,8 @@ struct FiringSchedule {
 
 /// The schedule of a packet from the timing variant and, for random pauses, from the measured sequences. It
 /// needs the next packet for random pauses and for a hidden sector inside the packet, after which groups
-/// fired late. Without the next packet, `turn_rate` (deg/s of full revolutions, 0 unknown) places them; the
-/// azimuth steps of one packet are too coarse.
+/// fired late. Without the next packet, `turn_rate` (deg/s of full revolutions, 0 unknown) gives their times;
+/// the azimuth steps of one packet are too coarse.
 FiringSchedule schedule_of(const ModelRow& row, const Timing& timing, Span measured_sequence,
                            const PacketAzimuths& azimuths, std::size_t echoes,
                            const std::optional<NextPacket>& next, double turn_rate);
@@ -60,10 +60,10 @@ class TimingChooser {
 /// from a clock that starts with the first packet.
 ///
 /// The azimuth gives the number of packets modulo a turn, and the arrival gives the turns. A late packet gets
-/// the number of its place, a duplicate the same number again. If the azimuth is implausible (the head
-/// stopped, or packets of two sensors), only the arrivals count. Where the arrivals stand, apart from whole
-/// seconds, the azimuths alone count packets of the period so far. The clock that maps the stamps to the
-/// host's time smooths the jitter of arrivals.
+/// the number that its azimuth shows, a duplicate the same number again. If the azimuth is implausible (the
+/// head stopped, or packets of two sensors), only the arrivals count. Where the arrivals stand, apart from
+/// whole seconds, the azimuths alone count packets of the period so far. The clock that maps the stamps to
+/// the host's time smooths the jitter of arrivals.
 class ArrivalStamps {
  public:
   explicit ArrivalStamps(const ModelRow& row);

@@ -163,15 +163,15 @@ void Unpacker::append(const Sequence& sequence, Cloud& cloud) {
   append_extras(sequence, cloud);
 }
 
-void Unpacker::place(Cloud& cloud, std::size_t& points) {
+void Unpacker::transform(Cloud& cloud, std::size_t& points) {
   if (waiting_.size == 0) return;
   kernels_.find_directions(table.whole, waiting_);
   std::uint8_t* const bytes = cloud.points_bytes.data();
   std::uint8_t* const out = bytes + points * point_step;
   if (calibration_)
-    kernels_.place_calibrated(lasers_, *calibration_, waiting_, out);
+    kernels_.transform_calibrated(lasers_, *calibration_, waiting_, out);
   else
-    kernels_.place(lasers_, waiting_, out);
+    kernels_.transform(lasers_, waiting_, out);
   CloudColumn* column = cloud.columns.data() + cloud.columns.size() - waiting_.size;
   for (std::size_t n = 0; n < waiting_.size; ++n, ++column) {
     column->first_point = static_cast<std::uint32_t>(points);

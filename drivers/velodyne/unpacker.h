@@ -51,12 +51,12 @@ class Unpacker {
   void set_rate(double deg_per_s);
   /// Makes room for one more packet; call before its sequences.
   void reserve_packet(Cloud& cloud) const;
-  /// Appends the sequence's column; place() places its returns. At most one packet's sequences may be
+  /// Appends the sequence's column; transform() writes its returns. At most one packet's sequences may be
   /// pending.
   void append(const Sequence& sequence, Cloud& cloud);
-  /// Places the returns of the pending sequences after `points` points, within the capacity of
+  /// Writes the returns of the pending sequences after `points` points, within the capacity of
   /// reserve_packet().
-  void place(Cloud& cloud, std::size_t& points);
+  void transform(Cloud& cloud, std::size_t& points);
 
  private:
   struct LaserOrigin {
@@ -78,7 +78,7 @@ class Unpacker {
   double longest_turning_ = 0;  // s
   const SequenceKernels& kernels_;
   LaserArrays lasers_{};
-  std::unique_ptr<CalibrationArrays> calibration_;  // if lasers_ are not enough to place a return
+  std::unique_ptr<CalibrationArrays> calibration_;  // if lasers_ are not enough for a return
   SequenceArrays waiting_{};
   std::vector<LaserOrigin> origins_;
   std::optional<CalibratedGeometry> geometry_;

@@ -15,7 +15,6 @@
 #include "drivers/velodyne/timing.h"
 #include "drivers/velodyne/two_streams.h"
 #include "drivers/velodyne/web/web_dialogue.h"
-#include "drivers/velodyne/web/web_status.h"
 
 namespace lidard::velodyne {
 namespace {
@@ -50,7 +49,7 @@ class VelodyneDriver final : public DriverBase {
 
   Verdict receive(const Packet& packet, FrameReceiver& out) override {
     if (packet.transport == Transport::tcp) {
-      if (web_) web_->receive(packet, out);
+      if (web_) web_->receive(packet, out), note_dialogue();
       return {};
     }
     if (packet.payload.size() == position_packet_size) {
@@ -60,7 +59,6 @@ class VelodyneDriver final : public DriverBase {
     incoming_.index = static_cast<std::uint32_t>(counters_.packets++);
     counters_.bytes += packet.payload.size();
     incoming_.arrival = packet.arrival;
-    data_to_ = packet.to;
     // Copied first: one read of the memory is faster than access to single blocks.
     if (packet.payload.size() == packet_size)
       std::memcpy(incoming_.bytes.data(), packet.payload.data(), packet_size);
@@ -105,7 +103,11 @@ class VelodyneDriver final : public DriverBase {
   void tick(Stamp now, FrameReceiver& out) override {
     telemetry_.tick(now, info_);
     describe_clock(clock_, order_.wraps(), now);
-    if (web_) web_->tick(now, out);
+    if (web_) {
+      const bool heard = counters_.packets > 0;
+      web_->tick(now, heard ? std::optional<Stamp>(incoming_.arrival) : std::nullopt, out);
+      note_dialogue();
+    }
     constexpr Span describe_period = std::chrono::seconds(1);
     if (now - described_ < describe_period && described_ < now) return;
     described_ = now;
@@ -114,12 +116,6 @@ class VelodyneDriver final : public DriverBase {
 
   const DeviceClock* clock() const override { return &clock_; }
   bool sends_time() const override { return row_.has_stamp(); }
-  std::optional<SettingsStatus> settings(Stamp now) const override {
-    if (!web_) return std::nullopt;
-    constexpr Span silent_after = std::chrono::seconds(1);
-    const bool has_data = counters_.packets > 0 && now - incoming_.arrival < silent_after;
-    return web_status(web_->state(), {has_data, data_to_, web_control(config_)->data_port});
-  }
 
  private:
   /// What distinguishes the packet's lidar from another one with its address; not of an HDL-64E, which names
@@ -206,7 +202,7 @@ class VelodyneDriver final : public DriverBase {
         sequence.in_packet = schedule.begin[g] + into_group;
         const double azimuth = azimuths.group_deg(g) + schedule.rate_deg_per_s * seconds(into_group);
         sequence.azimuth_deg = azimuth < 360 ? azimuth : azimuth - 360;
-        frames_.place(sequence, time + sequence.in_packet, clock_, out);
+        frames_.find_frame(sequence, time + sequence.in_packet, clock_, out);
         for (std::size_t echo = 0; echo < layout.echoes; ++echo) {
           sequence.echo = static_cast<std::uint8_t>(echo);
           for (std::size_t bank = 0; bank < layout.banks; ++bank) {
@@ -284,6 +280,15 @@ class VelodyneDriver final : public DriverBase {
     describe_status();
   }
 
+  void note_dialogue() {
+    if (!web_->changed()) return;
+    const DeviceInfo& found = web_->info();
+    info_.serial = found.serial;
+    for (const auto& [key, value] : found.details) info_.set(key, value);
+    const std::string warning = found.warnings.empty() ? "" : found.warnings.front();
+    info_.replace_warning(std::exchange(settings_warning_, warning), warning);
+  }
+
   void describe_status() {
     if (!row_.has_status()) return;
     const char* source = config_.calibration != nullptr ? "file"
@@ -305,7 +310,7 @@ class VelodyneDriver final : public DriverBase {
   DeviceClock clock_;
   TelemetryReceiver telemetry_;
   std::optional<WebDialogue> web_;
-  Endpoint data_to_;  // of the newest data packet
+  std::string settings_warning_;  // of the last comparison
   Hdl64Status status_;
   std::shared_ptr<const Calibration> sent_;  // by the sensor, in the last two bytes of its packets
   Stamp described_{};

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// Any bytes as what the web server of a Velodyne answers, in any pieces: a dialogue that may write goes on.
+// Any bytes as what the web server of a Velodyne answers, in any pieces: the dialogue goes on.
 // Each connection gets some of the input; -max_len=8192.
 #include <cstdlib>
 
@@ -21,10 +21,9 @@ class Requests final : public FrameReceiver {
   bool asked = false;
 };
 
-VelodyneControl control_of(sim::Bytes& in) {
+VelodyneControl wanted() {
   VelodyneControl control;
-  control.read = true;
-  control.allow_write = in.chance(128);
+  control.allow_write = true;
   control.wanted.rpm = 600;
   control.wanted.returns = VelodyneReturns::dual;
   return control;
@@ -34,13 +33,13 @@ VelodyneControl control_of(sim::Bytes& in) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   sim::Bytes in(data, size);
-  velodyne::WebDialogue dialogue(control_of(in));
+  velodyne::WebDialogue dialogue(wanted());
   Requests out;
   Stamp now{1'000'000'000};
   while (!in.empty()) {
     now = now + std::chrono::seconds(1 + in.below(70));
     out.asked = false;
-    dialogue.tick(now, out);
+    dialogue.tick(now, in.chance(128) ? std::optional<Stamp>(now) : std::nullopt, out);
     if (!out.asked) continue;
     dialogue.connected(now, out);
     for (std::size_t pieces = in.below(4); pieces > 0; --pieces) {

@@ -47,12 +47,7 @@ Settings vlp16() {
           {"config.fov.end", "359"},
           {"config.host.addr", in_quotes("255.255.255.255")},
           {"config.host.dport", "2368"},
-          {"config.host.tport", "8308"},
-          {"status.gps.pps_state", in_quotes("Absent")},
-          {"status.gps.position", in_quotes("")},
-          {"status.motor.state", in_quotes("On")},
-          {"status.motor.rpm", "599"},
-          {"status.laser.state", in_quotes("On")}};
+          {"config.host.tport", "8308"}};
 }
 
 /// Fields of a form that are kept without quotes.
@@ -101,7 +96,6 @@ std::string FakeVelodyne::answer(const std::string& method, const std::string& p
     return "";
   }
   if (path == "/cgi/snapshot.hdl") return json(settings_, "");
-  if (path == "/cgi/status.json") return json(settings_, "status.");
   return "";
 }
 
@@ -118,7 +112,6 @@ void FakeVelodyne::apply(const std::string& path, const std::string& body) {
     if (value == "off") value = "Off";
     settings_["config." + section + field.substr(0, equals)] = is_number(value) ? value : in_quotes(value);
   }
-  settings_["status.motor.rpm"] = settings_["config.rpm"];
 }
 
 void FakeVelodyne::misbehave(Fault fault, int times, const std::string& beginning) {

@@ -39,7 +39,7 @@ class FakeVelodyne {
   void set(const std::string& key, const std::string& value);
   std::string get(const std::string& key) const;
 
-  /// The requests so far whose texts begin so: "GET /cgi/status.json", "POST /cgi/setting rpm=1200".
+  /// The requests so far whose texts begin so: "GET /cgi/snapshot.hdl", "POST /cgi/setting rpm=1200".
   std::vector<std::string> requests(const std::string& beginning = "") const;
 
  private:

@@ -240,7 +240,7 @@ void SummedOutput::request(ByteView bytes) {
   sums.add_text("request", {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
-std::string reported_by(const Driver& driver, Stamp now) {
+std::string reported_by(const Driver& driver) {
   const Counters& c = driver.counters();
   std::string all = "  counters: bytes " + std::to_string(c.bytes);
   for (const auto& counter : usual_counters)
@@ -254,10 +254,6 @@ std::string reported_by(const Driver& driver, Stamp now) {
   all += "\n  serial " + driver.info().serial + "\n";
   for (const auto& [key, value] : driver.info().details) all += "  " + key + ": " + value + "\n";
   for (const std::string& warning : driver.info().warnings) all += "  warning: " + warning + "\n";
-  if (const auto settings = driver.settings(now)) {
-    all += "  settings " + std::to_string(static_cast<int>(settings->level)) + " " + settings->message + "\n";
-    for (const auto& [key, value] : settings->details) all += "  setting " + key + ": " + value + "\n";
-  }
   return all;
 }
 

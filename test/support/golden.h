@@ -63,6 +63,6 @@ class SummedOutput final : public FrameReceiver {
 std::string checksum(std::string_view text);
 
 /// What a driver reports of itself: counters, serial number, details, warnings.
-std::string reported_by(const Driver& driver, Stamp now);
+std::string reported_by(const Driver& driver);
 
 }  // namespace lidard::test

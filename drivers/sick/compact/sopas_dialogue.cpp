@@ -142,7 +142,7 @@ class SopasDialogue final : public SideDialogue {
       }
       if (!steps_.empty())
         detail("Data Output", (requests_.allow_write ? scan_wanted_ : *scan_target_).describe());
-      hang_up(true, out);
+      hang_up(End::complete, out);
     }
   }
 
@@ -151,17 +151,19 @@ class SopasDialogue final : public SideDialogue {
     warn("the device accepts the connection but does not answer '" +
          (reads ? session_.command() : steps_.at(step_).what) +
          "'; check that it speaks CoLa A on that port and that no other client is connected to it");
-    hang_up(false, out);
+    hang_up(End::failed, out);
   }
 
-  void cut_off() override {
+  End cut_off() override {
     warn("the device closes the connection before it answers; check that no other client is connected to it");
+    return End::failed;
   }
 
   void question(const std::string& command, const std::string& arguments, FrameReceiver& out) {
     ColaWriter writer = session_.ask(command);
     if (!arguments.empty()) writer.letters(arguments);
-    ask(writer.finish(), out);
+    const auto bytes = writer.finish();
+    ask({bytes.data(), bytes.size()}, out);
   }
 
   /// False if the dialogue cannot continue.
@@ -270,7 +272,7 @@ class SopasDialogue final : public SideDialogue {
 
   void fail(std::string why, FrameReceiver& out) {
     warn("the device " + std::move(why));
-    hang_up(true, out);  // a refusal is final while the device sends data
+    hang_up(End::complete, out);  // a refusal is final while the device sends data
   }
 
   DeviceRequests requests_;

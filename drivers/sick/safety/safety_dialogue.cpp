@@ -93,13 +93,14 @@ class SafetyDialogue final : public SideDialogue {
         }
       }
       yield ask_in_mode('C', 'X', {}, out);
-      hang_up(true, out);
+      hang_up(End::complete, out);
     }
   }
 
   void silent(FrameReceiver& out) override { fail("does not answer on its TCP port", out); }
-  void cut_off() override {
+  End cut_off() override {
     warn("the scanner closes the connection before it answers; is another program connected?");
+    return End::failed;
   }
 
   void ask_in_mode(char type, char mode, ByteView data, FrameReceiver& out) {
@@ -109,7 +110,8 @@ class SafetyDialogue final : public SideDialogue {
     telegram.type = type;
     telegram.mode = mode;
     telegram.data = data;
-    ask(encode_cola2(telegram), out);
+    const auto bytes = encode_cola2(telegram);
+    ask({bytes.data(), bytes.size()}, out);
   }
 
   void open(FrameReceiver& out) {
@@ -204,7 +206,7 @@ class SafetyDialogue final : public SideDialogue {
 
   void fail(const std::string& why, FrameReceiver& out) {
     warn("the scanner " + why + "; its settings were not " + (requests_.allow_write ? "written" : "read"));
-    hang_up(false, out);
+    hang_up(End::failed, out);
   }
 
   void warn(const std::string& text) {

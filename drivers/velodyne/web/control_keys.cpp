@@ -45,35 +45,18 @@ Keys wanted_keys(VelodyneSettings& wanted) {
            "the port that it sends its satellite receiver's sentences to"}};
 }
 
-/// Rejects wanted settings without permission to write them.
-void check_permissions(const Mapping& yaml, const VelodyneControl& control) {
-  const bool wanted = control.wanted.any();
-  for (const auto& [key, value] : yaml.entries()) {
-    const bool of_access = key == "read" || key == "allow_write" || key == "port";
-    if (!control.allow_write && !of_access && wanted)
-      value.fail_at_key("asks to change the sensor, but control.allow_write is not true",
-                        "allow_write: true beside it, or no such key");
-  }
-  if (wanted && !control.read)
-    yaml.where("read").fail("is false, so nobody could tell whether a setting differs",
-                            "true, or no wanted settings");
-}
-
 }  // namespace
 
 Keys control_keys(VelodyneControl& control) {
   using namespace keys;
   return join(
-      {{{"read", control.read, flag, "asks the sensor for its settings",
-         preset("true if a setting is wanted")},
-        {"allow_write", control.allow_write, flag, "settings that differ from those wanted here are written"},
+      {{{"allow_write", control.allow_write, flag, "settings that differ from those wanted here are written"},
         {"port", control.port, whole(1, last_port), "TCP port of its web interface"}},
        wanted_keys(control.wanted)});
 }
 
 void check_control(const Mapping& yaml, const std::optional<IpAddress>& address, VelodyneControl& control,
                    std::vector<std::string>& warnings) {
-  if (!yaml.has("read")) control.read = control.wanted.any();
   const std::optional<int>& start = control.wanted.fov_start_deg;
   const std::optional<int>& end = control.wanted.fov_end_deg;
   if (start.has_value() != end.has_value())
@@ -87,10 +70,14 @@ void check_control(const Mapping& yaml, const std::optional<IpAddress>& address,
                        " makes the sensor send to a port that is not its ip_port, " +
                        std::to_string(control.data_port) + ": its data will not arrive here");
   }
-  check_permissions(yaml, control);
-  if (control.read && !address)
-    yaml.self().fail_at_key("needs the sensor's address", "ip_address: of the sensor");
-  if (control.read) control.address = *address;
+  if (!control.wanted.any()) return;
+  for (const auto& [key, value] : yaml.entries()) {
+    if (!control.allow_write && key != "allow_write" && key != "port")
+      value.fail_at_key("asks to change the sensor, but control.allow_write is not true",
+                        "allow_write: true beside it, or no such key");
+  }
+  if (!address) yaml.self().fail_at_key("needs the sensor's address", "ip_address: of the sensor");
+  control.address = *address;
 }
 
 }  // namespace lidard

@@ -70,14 +70,15 @@ TEST_F(Check, TellsWhichCloudsNeedTf) {
 }
 
 TEST_F(Check, ListsOnlyConnectionsThatTheDaemonMakes) {
-  std::ofstream(path_) << "sensors:\n"
-                          "  front: {model: sick_microscan3, ip_address: 10.0.0.1}\n"
-                          "  rear: {model: sick_microscan3, ip_address: 10.0.0.2, allow_write: true}\n"
-                          "  pico: {model: sick_picoscan150, ip_address: 10.0.0.5}\n"
-                          "  quad: {model: sick_multiscan136, ip_address: 10.0.0.6, ip_port: 2117, "
-                          "udp_receiver_ip: 10.0.0.9}\n"
-                          "  roof: {model: velodyne_vlp16, ip_address: 10.0.0.3}\n"
-                          "  mast: {model: velodyne_vlp16, ip_address: 10.0.0.4, control: {read: true}}\n";
+  std::ofstream(path_)
+      << "sensors:\n"
+         "  front: {model: sick_microscan3, ip_address: 10.0.0.1}\n"
+         "  rear: {model: sick_microscan3, ip_address: 10.0.0.2, allow_write: true}\n"
+         "  pico: {model: sick_picoscan150, ip_address: 10.0.0.5}\n"
+         "  quad: {model: sick_multiscan136, ip_address: 10.0.0.6, ip_port: 2117, "
+         "udp_receiver_ip: 10.0.0.9}\n"
+         "  roof: {model: velodyne_vlp16, ip_address: 10.0.0.3}\n"
+         "  mast: {model: velodyne_vlp16, ip_address: 10.0.0.4, control: {allow_write: true, rpm: 600}}\n";
   ASSERT_EQ(run_check_ports(path_, out_, err_), 0) << err_.str();
   std::istringstream lines(out_.str());
   std::string tcp;

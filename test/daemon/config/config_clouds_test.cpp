@@ -63,9 +63,9 @@ TEST(CloudConfig, RemovedKeysNameWhatToDoInstead) {
   for (const char* key : {"frame_duration", "publish_confidence", "publish_echo"})
     EXPECT_THAT(error_of(roof_cloud(std::string(key) + ": true")), HasSubstr("is a key of former versions"))
         << key;
-  for (const char* key : {"laser", "phase_lock", "save", "period"})
+  for (const char* key : {"laser", "phase_lock", "read", "save", "period"})
     EXPECT_THAT(
-        error_of(roof_cloud("ip_address: 10.0.0.1, control: {read: true, " + std::string(key) + ": 1}")),
+        error_of(roof_cloud("ip_address: 10.0.0.1, control: {" + std::string(key) + ": 1}")),
         HasSubstr("control." + std::string(key) + " is a key of former versions; expected no such key: "))
         << key;
 }
@@ -139,7 +139,7 @@ TEST(CloudConfig, TakesPacketsFromATopicInsteadOfTheNetwork) {
   EXPECT_EQ(a.packet_topic, "/velodyne_packets");
   EXPECT_THAT(error_of(roof_cloud("packet_topic: p, ip_port: 2368")),
               HasSubstr("sensors.a.ip_port is given beside packet_topic"));
-  EXPECT_THAT(error_of(roof_cloud("packet_topic: p, control: {read: true}")), HasSubstr("is given beside"));
+  EXPECT_THAT(error_of(roof_cloud("packet_topic: p, control: {port: 80}")), HasSubstr("is given beside"));
   EXPECT_THAT(error_of(roof_cloud("packet_topic: p", "sick_microscan3")),
               HasSubstr("is not available for sick_microscan3, only for Velodynes"));
   EXPECT_EQ(

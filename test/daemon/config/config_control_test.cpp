@@ -22,22 +22,22 @@ VelodyneControl control_of(const std::string& control) {
   return parse_config(roof(control), "f").sensors.at(0).control;
 }
 
-TEST(ControlConfig, ReadsAndWritesNothingByDefault) {
+TEST(ControlConfig, AsksAndWritesNothingByDefault) {
   const Config config = parse_config("sensors: {roof: {model: velodyne_vlp16}}", "f");
   for (const VelodyneControl& control : {config.sensors.at(0).control, control_of("")}) {
-    EXPECT_FALSE(control.read);
     EXPECT_FALSE(control.allow_write);
     EXPECT_FALSE(control.wanted.any());
     EXPECT_EQ(control.port, 80);
   }
-  EXPECT_FALSE(control_of("allow_write: true").read);
+  EXPECT_EQ(config.sensors.at(0).driver.control, nullptr);
+  EXPECT_EQ(parse_config(roof("allow_write: true"), "f").sensors.at(0).driver.control, nullptr);
+  EXPECT_NE(parse_config(roof("allow_write: true, rpm: 600"), "f").sensors.at(0).driver.control, nullptr);
 }
 
 TEST(ControlConfig, TakesEveryKey) {
   const VelodyneControl control = control_of(
       "allow_write: true, port: 8080, rpm: 900, returns: dual, fov_start_deg: 270, fov_end_deg: 90, "
       "host_address: 192.168.1.77, host_port: 2368, host_telemetry_port: 8309");
-  EXPECT_TRUE(control.read) << "a wanted setting asks for the reading too";
   EXPECT_TRUE(control.allow_write);
   EXPECT_EQ(control.port, 8080);
   const VelodyneSettings& wanted = control.wanted;
@@ -82,7 +82,7 @@ TEST(ControlConfig, RefusesValuesThatTheSensorWouldNotTake) {
       {"rpms: 600", "unknown key sensors.roof.control.rpms; expected rpm"},
       {"fov: {start_deg: 0}",
        "control.fov is a key of former versions; expected fov_start_deg and fov_end_deg"},
-      {"read: false, rpm: 600", "control.read is false, so nobody could tell whether a setting differs"},
+      {"read: true", "control.read is a key of former versions; expected no such key: the settings given"},
   };
   for (const auto& [text, message] : wrong) {
     const std::string error = error_of(roof(prefix + text));
@@ -92,18 +92,18 @@ TEST(ControlConfig, RefusesValuesThatTheSensorWouldNotTake) {
 }
 
 TEST(ControlConfig, NeedsTheSensorsAddress) {
-  EXPECT_EQ(error_of("sensors: {roof: {model: velodyne_vlp16, control: {read: true}}}"),
+  EXPECT_EQ(error_of("sensors: {roof: {model: velodyne_vlp16, control: {allow_write: true, rpm: 600}}}"),
             "f:1:41: sensors.roof.control needs the sensor's address; expected ip_address: of the sensor");
 }
 
 TEST(ControlConfig, IsRefusedForOtherSensors) {
   EXPECT_EQ(
-      error_of("sensors: {a: {model: sick_microscan3, control: {read: true}}}"),
+      error_of("sensors: {a: {model: sick_microscan3, control: {port: 80}}}"),
       "f:1:39: sensors.a.control is not available for sick_microscan3, only for Velodynes but the HDL-64E; "
       "expected no such key");
-  EXPECT_THAT(error_of("sensors: {a: {model: velodyne_hdl64e_s3, control: {read: true}}}"),
+  EXPECT_THAT(error_of("sensors: {a: {model: velodyne_hdl64e_s3, control: {port: 80}}}"),
               HasSubstr("sensors.a.control is not available for velodyne_hdl64e_s3"));
-  EXPECT_THAT(error_of("sensors: {a: {topic: /scan, control: {read: true}}}"),
+  EXPECT_THAT(error_of("sensors: {a: {topic: /scan, control: {port: 80}}}"),
               HasSubstr("sensors.a.control does not apply to a source with topic:"));
 }
 
@@ -116,15 +116,14 @@ TEST(ControlConfig, WarnsWhereTheSensorWouldSendElsewhere) {
 
 TEST(ControlConfig, IsPrintedWithWhatIsWanted) {
   EXPECT_THAT(to_yaml(parse_config("sensors: {roof: {model: velodyne_vlp16}}", "f")),
-              HasSubstr("    control: {read: false, allow_write: false, port: 80}\n"));
+              HasSubstr("    control: {allow_write: false, port: 80}\n"));
   EXPECT_THAT(
       to_yaml(parse_config(
           roof("allow_write: true, rpm: 900, returns: last, fov_start_deg: 270, fov_end_deg: 360, "
                "host_address: 239.0.0.1, host_port: 2368, host_telemetry_port: 1"),
           "f")),
-      HasSubstr(
-          "control: {read: true, allow_write: true, port: 80, rpm: 900, returns: last, fov_start_deg: 270, "
-          "fov_end_deg: 360, host_address: 239.0.0.1, host_port: 2368, host_telemetry_port: 1}\n"));
+      HasSubstr("control: {allow_write: true, port: 80, rpm: 900, returns: last, fov_start_deg: 270, "
+                "fov_end_deg: 360, host_address: 239.0.0.1, host_port: 2368, host_telemetry_port: 1}\n"));
 }
 
 }  // namespace

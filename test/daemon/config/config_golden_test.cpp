@@ -52,7 +52,7 @@ std::vector<std::string> places_of(const std::string& section) {
   }
   if (section == "sensors.NAME.control")
     return {"sensors: {s: {model: velodyne_vlp16, ip_address: 10.0.0.7, control: {@}}}\n",
-            "sensors: {s: {model: velodyne_vls128, ip_address: 10.0.0.7, control: {read: true, @}}}\n",
+            "sensors: {s: {model: velodyne_vls128, ip_address: 10.0.0.7, control: {allow_write: true, @}}}\n",
             "sensors: {s: {model: sick_microscan3, ip_address: 10.0.0.7, control: {@}}}\n"};
   const std::string filter = "sensors.NAME.filter";
   if (section == filter)

@@ -210,26 +210,5 @@ TEST(SensorHealth, PacketsOfOneArrivalAreThoseOfACaptureOrWaitedForTheDaemon) {
   }
 }
 
-TEST(SettingsItem, TellsHowTheSettingsStand) {
-  SensorConfig config;
-  config.name = "roof";
-  SettingsStatus status;
-  status.message = "answering";
-  status.details = {{"Set rpm", "600"}};
-  DiagnosticItem item = settings_item(config.name, status);
-  EXPECT_EQ(item.name, "sensor roof control");
-  EXPECT_EQ(item.hardware_id, "roof");
-  EXPECT_EQ(item.health, Health::ok);
-  EXPECT_EQ(item.message, "answering");
-  EXPECT_EQ(item.values, status.details);
-  status.serial = "AG1";
-  status.level = SettingsStatus::Level::warn;
-  item = settings_item(config.name, status);
-  EXPECT_EQ(item.hardware_id, "AG1");
-  EXPECT_EQ(item.health, Health::warn);
-  status.level = SettingsStatus::Level::error;
-  EXPECT_EQ(settings_item(config.name, status).health, Health::error);
-}
-
 }  // namespace
 }  // namespace lidard

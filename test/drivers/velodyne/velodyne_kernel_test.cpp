@@ -65,7 +65,7 @@ PointBytes unpack(const ModelRow& row, const Calibration* calibration, const Seq
     sequence.azimuth_deg = 6.1 * i;
     sequence.in_frame = std::chrono::microseconds(1663 * i);
     unpacker.append(sequence, cloud);
-    unpacker.place(cloud, points);
+    unpacker.transform(cloud, points);
   }
   cloud.points_bytes.resize(points * point_step);
   return cloud.points_bytes;
@@ -105,7 +105,7 @@ void expect_equations(const ModelRow& row, const Calibration& calibration, doubl
   for (std::size_t bank = 0; bank < row.banks; ++bank) sequence.slots[bank] = slots.data() + 96 * bank;
   sequence.azimuth_deg = azimuth;
   unpacker.append(sequence, cloud);
-  unpacker.place(cloud, points);
+  unpacker.transform(cloud, points);
   std::size_t next = 0;
   for (std::size_t k = 0; k < row.lasers; ++k) {
     const std::uint8_t* slot = slots.data() + 3 * k;
@@ -169,7 +169,7 @@ TEST(VelodyneKernels, RangeLimitsTestTheCorrectedDistance) {
     Sequence sequence{};
     sequence.slots[0] = slots.data();
     unpacker.append(sequence, cloud);
-    unpacker.place(cloud, points);
+    unpacker.transform(cloud, points);
     std::size_t expected = 0;
     for (std::size_t k = 0; k < row.lasers; ++k) {
       const double distance = count * 0.002 + calibration.lasers[k].dist_correction;
@@ -195,7 +195,7 @@ TEST(VelodyneKernels, AReturnLiesInItsDirectionAtEveryAngle) {
     cloud.clear();
     unpacker.reserve_packet(cloud);
     unpacker.append(sequence, cloud);
-    unpacker.place(cloud, points);
+    unpacker.transform(cloud, points);
     const double far = 65535 * calibration.distance_step_m;
     const CloudPoint point = cloud.points()[0];
     ASSERT_NEAR(point.x / far, std::cos(sequence.azimuth_deg * rad_per_deg), 2.5e-7) << i;

@@ -23,23 +23,18 @@ using Texts = std::vector<std::string>;
 
 const IpAddress loopback = IpAddress::v4(127, 0, 0, 1);
 
-VelodyneControl reading() {
+VelodyneControl faster() {
   VelodyneControl control;
-  control.read = true;
-  control.address = loopback;
-  return control;
-}
-
-VelodyneControl writing() {
-  VelodyneControl control = reading();
   control.allow_write = true;
+  control.address = loopback;
+  control.wanted.rpm = 1200;
   return control;
 }
 
 /// A sensor and the dialogue with it, in a time of their own.
 class Talk final : public FrameReceiver {
  public:
-  explicit Talk(const VelodyneControl& control, const WebTiming& timing = {}) : dialogue(control, timing) {}
+  explicit Talk(const VelodyneControl& control = faster()) : dialogue(control) {}
 
   void scan(PlanarScan&) override {}
   void cloud(Cloud&) override {}
@@ -58,7 +53,8 @@ class Talk final : public FrameReceiver {
   /// A tenth of a second, as often as the daemon has a tick.
   void step() {
     now = now + 100ms;
-    dialogue.tick(now, *this);
+    if (sends) last_data = now;
+    dialogue.tick(now, last_data, *this);
     if (std::exchange(dialled, false)) {
       EXPECT_FALSE(connected) << "one request at a time";
       connected = is_on;
@@ -83,191 +79,160 @@ class Talk final : public FrameReceiver {
     }
     return false;
   }
-  /// So many further rounds of questions have ended: whatever was to be written is written.
-  bool rounds(std::size_t count) {
-    const std::size_t wanted = sensor.requests("GET /cgi/snapshot.hdl").size() + count + 1;
-    return until([&] { return sensor.requests("GET /cgi/snapshot.hdl").size() >= wanted; });
+  void pass(Span time) {
+    for (const Stamp end = now + time; now < end;) step();
   }
+  std::size_t comparisons() const { return sensor.requests("GET").size(); }
   Texts posts() const { return sensor.requests("POST"); }
-  WebState state() const { return dialogue.state(); }
+  const DeviceInfo& info() const { return dialogue.info(); }
+  std::string warning() const { return info().warnings.empty() ? "" : info().warnings.front(); }
 
   FakeVelodyne sensor;
-  bool is_on = true;
+  bool is_on = true, sends = true;  // its web interface; data
   Texts notes;
   std::vector<Stamp> asked;
 
  private:
   Stamp now{1'700'000'000'000'000'000};
+  std::optional<Stamp> last_data;
   WebDialogue dialogue;
   bool dialled = false, connected = false, answered = false;
   FakeVelodyne::Reply reply;
 };
 
-TEST(WebDialogue, OnlyReadsWithoutPermissionToWrite) {
-  VelodyneControl control = reading();
-  control.wanted.rpm = 1200;
-  Talk talk(control);
-  ASSERT_TRUE(talk.rounds(3));
-  const Texts all = talk.sensor.requests();
-  EXPECT_EQ(all[0], "GET /cgi/snapshot.hdl");
-  EXPECT_EQ(all[1], "GET /cgi/status.json");
-  EXPECT_EQ(talk.sensor.requests("GET").size(), all.size());
-  const WebState state = talk.state();
-  EXPECT_EQ(state.serial, "AG29999999");
-  EXPECT_EQ(state.tree.at("status.motor.rpm"), "599");
-  EXPECT_EQ(state.trouble, "");
-  EXPECT_EQ(state.local_address, "127.0.0.1");
-}
+const Texts set_rpm = {"POST /cgi/setting rpm=1200"};
 
-TEST(WebDialogue, PostsNothingWhenTheSnapshotAgrees) {
-  VelodyneControl control = writing();
+TEST(WebDialogue, ComparesOnceAndWritesNothingWhereTheSnapshotAgrees) {
+  VelodyneControl control = faster();
   control.wanted = {600, VelodyneReturns::strongest, 0, 360, IpAddress::v4(255, 255, 255, 255), 2368, 8308};
   Talk talk(control);
-  ASSERT_TRUE(talk.rounds(3));
-  EXPECT_THAT(talk.posts(), IsEmpty());
-  EXPECT_EQ(talk.state().writes, 0U);
+  talk.pass(10min);
+  EXPECT_THAT(talk.sensor.requests(), ElementsAre("GET /cgi/snapshot.hdl"));
+  EXPECT_EQ(talk.info().serial, "AG29999999");
+  EXPECT_THAT(talk.info().warnings, IsEmpty());
 }
 
-TEST(WebDialogue, PostsOnlyWhatDiffersAndEachOnce) {
-  VelodyneControl control = writing();
+TEST(WebDialogue, PostsOnlyWhatDiffersAndReadsItBack) {
+  VelodyneControl control = faster();
   control.wanted = {1200, VelodyneReturns::strongest, 0, 360, loopback, 2368, 8309};
   Talk talk(control);
   talk.sensor.set("config.fov.end", "90");
-  ASSERT_TRUE(talk.rounds(3));
-  EXPECT_THAT(talk.posts(),
-              ElementsAre("POST /cgi/setting rpm=1200", "POST /cgi/setting/fov end=359",
-                          "POST /cgi/setting/host tport=8309", "POST /cgi/setting/host addr=127.0.0.1"));
-  const WebState state = talk.state();
-  EXPECT_THAT(state.refused, IsEmpty());
-  EXPECT_EQ(state.writes, 4U);
-  EXPECT_EQ(talk.sensor.get("config.rpm"), "1200");
-}
-
-TEST(WebDialogue, TellsWhatItWrote) {
-  VelodyneControl control = writing();
-  control.wanted.rpm = 1200;
-  Talk talk(control);
-  ASSERT_TRUE(talk.rounds(3));
-  EXPECT_THAT(talk.notes, ElementsAre("wrote rpm: 600 -> 1200 to 127.0.0.1:80"));
+  talk.pass(10min);
+  EXPECT_THAT(talk.sensor.requests(),
+              ElementsAre("GET /cgi/snapshot.hdl", "POST /cgi/setting rpm=1200",
+                          "POST /cgi/setting/fov end=359", "POST /cgi/setting/host tport=8309",
+                          "POST /cgi/setting/host addr=127.0.0.1", "GET /cgi/snapshot.hdl"));
+  EXPECT_THAT(talk.info().warnings, IsEmpty());
+  EXPECT_EQ(talk.notes.size(), 4U);
+  EXPECT_EQ(talk.notes.front(), "writes rpm: 600 -> 1200 to 127.0.0.1:80");
 }
 
 TEST(WebDialogue, GoesOnAfterEveryKindOfBadAnswer) {
-  for (const Fault fault : {Fault::error_500, Fault::garbage, Fault::half_closed, Fault::hang}) {
-    VelodyneControl control = writing();
-    control.wanted.rpm = 1200;
-    Talk talk(control);
-    talk.sensor.misbehave(fault, 2, "GET /cgi/snapshot.hdl");
-    ASSERT_TRUE(talk.until([&] { return !talk.state().trouble.empty(); })) << static_cast<int>(fault);
-    ASSERT_TRUE(talk.until([&] {
-      return talk.sensor.get("config.rpm") == "1200" && talk.state().trouble.empty();
-    })) << static_cast<int>(fault);
-    EXPECT_EQ(talk.state().failures, 2U);
-    EXPECT_THAT(talk.posts(), ElementsAre("POST /cgi/setting rpm=1200"));
-  }
-}
-
-TEST(WebDialogue, SaysWhatIsWrongWithAnAnswer) {
   for (const auto& [fault, message] :
        {std::pair(Fault::error_500, "127.0.0.1:80/cgi/snapshot.hdl answers with HTTP status 500; is this"),
         std::pair(Fault::garbage, "does not answer with a JSON object"),
         std::pair(Fault::half_closed, "the connection was closed without an answer; the sensor may be busy"),
         std::pair(Fault::hang, "no answer in time; the sensor may be busy")}) {
-    Talk talk(reading());
-    talk.sensor.misbehave(fault, 1, "GET /cgi/snapshot.hdl");
-    ASSERT_TRUE(talk.until([&] { return !talk.state().trouble.empty(); }));
-    EXPECT_THAT(talk.state().trouble, HasSubstr(message));
+    Talk talk;
+    talk.sensor.misbehave(fault, 2, "GET");
+    ASSERT_TRUE(talk.until([&] { return !talk.warning().empty(); }));
+    EXPECT_THAT(talk.warning(), HasSubstr(message));
+    EXPECT_THAT(talk.posts(), IsEmpty());
+    ASSERT_TRUE(talk.until([&] { return talk.comparisons() == 4 && talk.warning().empty(); })) << message;
+    EXPECT_EQ(talk.posts(), set_rpm);
   }
 }
 
-TEST(WebDialogue, WritesNothingWhileTheSnapshotIsUnreadable) {
-  VelodyneControl control = writing();
-  control.wanted.rpm = 1200;
-  Talk talk(control);
-  talk.sensor.misbehave(Fault::error_500, 1'000'000, "GET /cgi/snapshot.hdl");
-  ASSERT_TRUE(talk.rounds(5));
+TEST(WebDialogue, AsksABusySensorEverLessOften) {
+  Talk talk;
+  talk.sensor.misbehave(Fault::error_500, 1'000'000, "GET");
+  talk.pass(10min);
   EXPECT_THAT(talk.posts(), IsEmpty());
-  EXPECT_THAT(talk.state().trouble, HasSubstr("HTTP status 500"));
-}
-
-TEST(WebDialogue, WritesAlthoughTheSensorDoesNotReportItsState) {
-  VelodyneControl control = writing();
-  control.wanted.rpm = 1200;
-  Talk talk(control);
-  talk.sensor.misbehave(Fault::error_500, 1'000'000, "GET /cgi/status.json");
-  ASSERT_TRUE(talk.until([&] { return talk.sensor.get("config.rpm") == "1200"; }));
+  EXPECT_LT(talk.comparisons(), 16U);
+  EXPECT_GE(talk.asked[1] - talk.asked[0], 5s);
+  EXPECT_LE(talk.asked.back() - talk.asked[talk.asked.size() - 2], 61s);
 }
 
 TEST(WebDialogue, AcceptsHttp10AndLengthsThatAreTooLarge) {
   for (const Fault fault : {Fault::http_1_0, Fault::length_too_large}) {
-    Talk talk(reading());
+    Talk talk;
     talk.sensor.misbehave(fault, 1'000'000);
-    ASSERT_TRUE(talk.rounds(2));
-    EXPECT_EQ(talk.state().failures, 0U) << static_cast<int>(fault) << " " << talk.state().trouble;
-    EXPECT_EQ(talk.state().serial, "AG29999999");
+    talk.pass(1min);
+    EXPECT_EQ(talk.warning(), "");
+    EXPECT_EQ(talk.posts(), set_rpm);
+    EXPECT_EQ(talk.info().serial, "AG29999999");
   }
 }
 
 TEST(WebDialogue, RepeatsAWriteThatFailed) {
   for (const Fault fault : {Fault::error_500, Fault::half_closed, Fault::hang}) {
-    VelodyneControl control = writing();
-    control.wanted.rpm = 1200;
-    Talk talk(control);
-    talk.sensor.misbehave(fault, fault == Fault::error_500 ? 2 : 1, "POST");
-    ASSERT_TRUE(talk.until([&] { return talk.sensor.get("config.rpm") == "1200"; }));
-    ASSERT_TRUE(talk.rounds(2));
-    // What was taken without an answer is not written again.
-    EXPECT_EQ(talk.posts().size(), fault == Fault::error_500 ? 3U : 1U);
+    Talk talk;
+    talk.sensor.misbehave(fault, 1, "POST");
+    talk.pass(2min);
+    EXPECT_EQ(talk.sensor.get("config.rpm"), "1200");
+    // A change that was applied without an answer is not written again.
+    EXPECT_EQ(talk.posts().size(), fault == Fault::error_500 ? 2U : 1U);
+    EXPECT_THAT(talk.info().warnings, IsEmpty());
   }
 }
 
-TEST(WebDialogue, GivesUpASettingThatTheSensorIgnores) {
-  VelodyneControl control = writing();
-  control.wanted.rpm = 1200;
-  Talk talk(control);
+TEST(WebDialogue, SaysWhatTheSensorDoesNotApplyAndTriesEverLessOften) {
+  Talk talk;
   talk.sensor.ignore_settings();
-  ASSERT_TRUE(talk.until([&] { return !talk.state().refused.empty(); }));
-  ASSERT_TRUE(talk.rounds(4));
-  EXPECT_EQ(talk.posts(), Texts(3, "POST /cgi/setting rpm=1200"));
-  EXPECT_THAT(talk.state().refused, ElementsAre("rpm: 600 -> 1200"));
+  ASSERT_TRUE(talk.until([&] { return !talk.warning().empty(); }));
+  EXPECT_EQ(talk.warning(),
+            "the sensor did not apply rpm: 600 -> 1200; set it in the sensor's web page, or remove it from "
+            "control");
+  EXPECT_EQ(talk.posts(), set_rpm);
+  talk.pass(10min);
+  EXPECT_LT(talk.posts().size(), 16U);
+  EXPECT_EQ(talk.notes.size(), 1U);
+  talk.sensor.set("config.rpm", "1200");
+  talk.pass(70s);
+  EXPECT_EQ(talk.warning(), "");
 }
 
 TEST(WebDialogue, DoesNotWriteWhatTheSensorDoesNotReport) {
-  VelodyneControl control = writing();
-  control.wanted.rpm = 1200;
-  Talk talk(control);
+  Talk talk;
   talk.sensor.forget("config.rpm");
-  ASSERT_TRUE(talk.rounds(2));
-  EXPECT_THAT(talk.posts(), IsEmpty());
-  EXPECT_THAT(talk.state().unknown, ElementsAre("rpm"));
+  talk.pass(1min);
+  EXPECT_THAT(talk.sensor.requests(), ElementsAre("GET /cgi/snapshot.hdl"));
+  EXPECT_EQ(talk.warning(), "the sensor does not report rpm, so it is not written; remove it from control");
 }
 
 TEST(WebDialogue, WritesAgainToASensorThatForgotItsSettingsWhileItWasAway) {
-  VelodyneControl control = writing();
-  control.wanted.rpm = 1200;
-  Talk talk(control);
-  ASSERT_TRUE(talk.until([&] { return talk.sensor.get("config.rpm") == "1200"; }));
-  talk.is_on = false;
-  ASSERT_TRUE(talk.until([&] { return talk.state().trouble.find("no web interface") == 0; }));
-  ASSERT_TRUE(talk.until([&] { return talk.state().tree.empty(); }));
-  EXPECT_EQ(talk.state().serial, "AG29999999");
+  Talk talk;
+  talk.pass(1min);
+  EXPECT_EQ(talk.posts(), set_rpm);
+  talk.is_on = talk.sends = false;
+  talk.pass(30s);
   talk.sensor.set("config.rpm", "600");
   talk.is_on = true;
   ASSERT_TRUE(talk.until([&] { return talk.sensor.get("config.rpm") == "1200"; }));
-  EXPECT_EQ(talk.posts(), Texts(2, "POST /cgi/setting rpm=1200"));
+  talk.sends = true;
+  talk.pass(1min);
+  EXPECT_EQ(talk.posts().size(), 2U);
+  EXPECT_EQ(talk.warning(), "");
+}
+
+TEST(WebDialogue, ComparesAgainWhileASensorSendsNothing) {
+  Talk talk;
+  talk.sends = false;
+  talk.pass(1min);
+  EXPECT_EQ(talk.posts(), set_rpm);
+  talk.sensor.set("config.rpm", "600");  // restarted, and sends elsewhere
+  talk.pass(70s);
+  EXPECT_EQ(talk.sensor.get("config.rpm"), "1200");
 }
 
 TEST(WebDialogue, NeverAsksFasterThanItsPace) {
-  EXPECT_GE(WebTiming{}.pace, 1s);
-  WebTiming timing;
-  timing.settle = timing.period = 0ms;
-  VelodyneControl control = writing();
-  control.wanted.rpm = 1200;
+  VelodyneControl control = faster();
   control.wanted.returns = VelodyneReturns::dual;
-  Talk talk(control, timing);
-  talk.sensor.misbehave(Fault::error_500, 3);
-  ASSERT_TRUE(talk.until([&] { return talk.posts().size() == 2; }));
-  ASSERT_TRUE(talk.rounds(1));
+  Talk talk(control);
+  talk.pass(1min);
+  ASSERT_EQ(talk.asked.size(), 4U);
   for (std::size_t i = 1; i < talk.asked.size(); ++i) EXPECT_GE(talk.asked[i] - talk.asked[i - 1], 1s) << i;
+  EXPECT_GE(talk.asked[3] - talk.asked[2], 2s) << "the sensor settles";
 }
 
 }  // namespace
