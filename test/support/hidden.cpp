@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/base/angle.h"
+#include "test/sim/world/circle.h"
 #include "test/sim/world/units.h"
 
 namespace lidard::sim {
@@ -103,20 +103,13 @@ Yard yard_of(const HidingScene& scene) {
   return yard;
 }
 
-ScanGrid grid_of(const HidingCase& set_up) {
-  ScanGridSpec spec;
-  spec.beams = set_up.beams;
-  spec.range_max = set_up.range_max;
-  return *make_grid(spec);
-}
-
 void merge(const HidingCase& set_up, const FlatWorld& world, Rng& rng, HidingScene& scene) {
   MergeSettings settings;
   settings.visibility = true;
   settings.how.noise = std::max(set_up.noise, 0.001);
   const auto scanners = scanners_of(set_up);
   settings.source.noise = settings.how.noise;
-  Merger merger(grid_of(set_up), {}, scanners.size(), settings);
+  Merger merger(test::full_circle(set_up.beams, set_up.range_max), {}, scanners.size(), settings);
   const Pose output = make_pose({set_up.at.x(), set_up.at.y(), 0}, {0, 0, 0}).inverse();
   merger.set_footprint(body().transformed(output));
   PlanarScan scan;
@@ -147,7 +140,7 @@ void cut(const HidingCase& set_up, const Yard& yard, Rng& rng, HidingScene& scen
   settings.how.noise = std::max(set_up.noise, 0.001);
   settings.ground.model = GroundModel::plane;
   settings.beams.no_return_free_range = lidar.range_max;
-  Virtualizer virtualizer(grid_of(set_up), {}, 1, settings);
+  Virtualizer virtualizer(test::full_circle(set_up.beams, set_up.range_max), {}, 1, settings);
   virtualizer.set_cloud(cloud, lidar.pose);
   PlanarScan strict, safety;
   virtualizer.project(0, make_pose(set_up.at, {0, 0, 0}).inverse() * lidar.pose,
@@ -189,7 +182,7 @@ double end_of_thing(const HidingScene& scene, const Eigen::Vector2d& at, double 
 }
 
 void find_truth(const HidingCase& set_up, const FlatWorld& world, const Yard& yard, HidingScene& scene) {
-  const ScanGrid grid = grid_of(set_up);
+  const ScanGrid grid = test::full_circle(set_up.beams, set_up.range_max);
   const auto scanners = scanners_of(set_up);
   const Eigen::Vector2d at = set_up.at.head<2>();
   for (std::size_t beam = 0; beam < grid.beams; ++beam) {

@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/base/angle.h"
 #include "core/evidence/placed_scan.h"
+#include "test/sim/world/circle.h"
 #include "test/sim/world/units.h"
 #include "test/sim/world/vehicle_motion.h"
 
@@ -18,13 +18,6 @@ constexpr double scanner_range_max = 25;  // m
 constexpr double veil_spot = 0.1 * degree;
 constexpr double longest_unseen = 0.06;  // m
 constexpr double sample_step = 0.05;     // m
-
-ScanGrid full_circle(std::size_t beams) {
-  ScanGridSpec spec;
-  spec.beams = beams;
-  spec.range_max = merge_range_max;
-  return *make_grid(spec);
-}
 
 std::vector<FlatScanner> scanners_of(const MergeCase& set_up) {
   FlatScanner scanner;
@@ -220,7 +213,7 @@ MergeScene make_scene(const MergeCase& set_up, std::uint64_t seed) {
   MergeScene scene;
   scene.world = random_world(rng, set_up);
   scene.scanners = scanners_of(set_up);
-  scene.grid = full_circle(set_up.beams);
+  scene.grid = test::full_circle(set_up.beams, merge_range_max);
   scene.body = set_up.diagonal ? Footprint({{-2.25, -1}, {2.25, -1}, {2.25, 1}, {-2.25, 1}})
                                : Footprint({{-4, -1}, {0, -1}, {0, 1}, {-4, 1}});
   if (set_up.driving)

@@ -3,12 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 #include <vector>
 
 #include "core/base/angle.h"
 #include "core/merge/merger.h"
 #include "test/core/evidence/outline_bench.h"
+#include "test/sim/world/circle.h"
 #include "test/sim/world/rng.h"
 
 namespace lidard {
@@ -26,14 +26,11 @@ struct View {
 };
 
 PlanarScan merged(const std::vector<View>& views, double range_max = 50) {
-  ScanGridSpec spec;
-  spec.beams = 360;
-  spec.range_max = range_max;
   MergeSettings settings;
   settings.points = false;
   settings.visibility = true;
   settings.how.noise = settings.source.noise = 0.02;
-  Merger merger(*make_grid(spec), {}, views.size(), settings);
+  Merger merger(test::full_circle(360, range_max), {}, views.size(), settings);
   std::vector<char> use;
   for (std::size_t s = 0; s < views.size(); ++s) {
     PlanarScan scan;
@@ -76,10 +73,7 @@ TEST(VisibilityGaps, BeyondTheRangeOfTheOutputThereIsNothing) {
 class Alone {
  public:
   explicit Alone(double from, double to, const VisibilitySettings& how) {
-    ScanGridSpec spec;
-    spec.beams = 360;
-    spec.range_max = 30;
-    const ScanGrid grid = *make_grid(spec);
+    const ScanGrid grid = test::full_circle(360, 30);
     Visibility visibility(grid, how, 1);
     visibility.begin();
     add_ring(visibility, {0, 0}, std::vector<Piece>(3600, {from, to}));
@@ -119,10 +113,7 @@ TEST(VisibilityGaps, ASurfaceIsSeenFromTheSideWhereTheLastOfTheWayIsFree) {
 }
 
 TEST(VisibilityGaps, ABeamThatPassesASourceNearerThanThatOneSeesIsNotFree) {
-  ScanGridSpec spec;
-  spec.beams = 360;
-  spec.range_max = 10;
-  const ScanGrid grid = *make_grid(spec);
+  const ScanGrid grid = test::full_circle(360, 10);
   for (double ahead = 1; ahead < 3; ahead += 0.02) {
     Visibility visibility(grid, {}, 1);
     visibility.begin();
@@ -149,10 +140,7 @@ std::vector<Piece> random_pieces(sim::Rng& rng) {
 
 TEST(VisibilityGaps, EveryPointOfAFreeBeamIsSeenBySomeSource) {
   sim::Rng rng(9);
-  ScanGridSpec spec;
-  spec.beams = 360;
-  spec.range_max = 6;
-  const ScanGrid grid = *make_grid(spec);
+  const ScanGrid grid = test::full_circle(360, 6);
   std::size_t free = 0;
   for (int round = 0; round < 100; ++round) {
     Visibility visibility(grid, {}, 3);

@@ -9,18 +9,12 @@
 
 #include "core/base/angle.h"
 #include "core/merge/merger.h"
+#include "test/sim/world/circle.h"
 #include "test/sim/world/units.h"
 #include "test/support/allocations.h"
 
 namespace lidard {
 namespace {
-
-ScanGrid grid_of(std::size_t beams) {
-  ScanGridSpec spec;
-  spec.beams = beams;
-  spec.range_max = 40;
-  return make_grid(spec).value();
-}
 
 /// Beams over 270 degrees, a return at 5 m in every one of them, in 60 ms.
 PlanarScan sweep_of(std::size_t beams, Stamp stamp = t0, std::size_t echoes = 1) {
@@ -57,7 +51,7 @@ struct Outputs {
 };
 
 TEST(DeskewRules, MotionIsCarriedOnFor50MillisecondsThenBeamsStayWhereTheyWereMeasured) {
-  Merger merger(grid_of(720), {}, 1, with_visibility());
+  Merger merger(test::full_circle(720, 40), {}, 1, with_visibility());
   merger.add(0, sweep_of(541), Pose::Identity());
   Outputs out;
   const struct {
@@ -82,7 +76,7 @@ TEST(DeskewRules, MotionIsCarriedOnFor50MillisecondsThenBeamsStayWhereTheyWereMe
 }
 
 TEST(DeskewRules, SourceWithoutPosesStandsBesideOneThatIsDeskewed) {
-  Merger merger(grid_of(720), {}, 2, with_visibility());
+  Merger merger(test::full_circle(720, 40), {}, 2, with_visibility());
   merger.add(0, sweep_of(541), Pose::Identity());
   merger.add(1, sweep_of(541, t0 - ms(300)), Pose::Identity());  // before the oldest pose
   const PoseTrack track = track_until(80);
@@ -98,7 +92,7 @@ TEST(DeskewRules, SourceWithoutPosesStandsBesideOneThatIsDeskewed) {
 TEST(DeskewRules, ScansOfOneBeamAndOfNoneDoNoHarm) {
   const PoseTrack track = track_until(80);
   for (const std::size_t beams : {0U, 1U, 2U}) {
-    Merger merger(grid_of(360), {}, 1, with_visibility());
+    Merger merger(test::full_circle(360, 40), {}, 1, with_visibility());
     merger.set_footprint(Footprint({{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}));
     PlanarScan scan = sweep_of(std::max<std::size_t>(beams, 1));
     if (beams == 0) scan.reset(0);
@@ -113,7 +107,7 @@ TEST(DeskewRules, ScansOfOneBeamAndOfNoneDoNoHarm) {
 }
 
 TEST(DeskewRules, ScansWithImpossibleTimesAreCountedAndNotUsed) {
-  Merger merger(grid_of(360), {}, 1, with_visibility());
+  Merger merger(test::full_circle(360, 40), {}, 1, with_visibility());
   const float bad[] = {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(),
                        -1e-4F, 1e9F, 0.1F};
   int i = 0;
@@ -133,7 +127,7 @@ TEST(DeskewRules, ScansWithImpossibleTimesAreCountedAndNotUsed) {
 TEST(DeskewRules, BeamsOfAScannerMountedUpsideDownCountInOrderOfMeasuring) {
   // The same returns, once counted from the right and once from the left, both from right to left in time.
   const PoseTrack track = track_until(80);
-  Merger merger(grid_of(720), {}, 2, with_visibility());
+  Merger merger(test::full_circle(720, 40), {}, 2, with_visibility());
   PlanarScan upright = sweep_of(541);
   PlanarScan turned = upright;
   turned.set_angles(-upright.angle_min, -upright.angle_increment);
@@ -150,7 +144,7 @@ TEST(DeskewRules, BeamsOfAScannerMountedUpsideDownCountInOrderOfMeasuring) {
 
 TEST(DeskewRules, EchoesOfABeamMoveTogether) {
   const PoseTrack track = track_until(80);
-  Merger merger(grid_of(720), {}, 1, with_visibility(EchoChoice::all));
+  Merger merger(test::full_circle(720, 40), {}, 1, with_visibility(EchoChoice::all));
   merger.add(0, sweep_of(541, t0, 2), Pose::Identity());  // 5 m and 6 m
   Outputs out;
   merger.merge({t0 + ms(60), &track}, {1}, out.list, &out.cloud);
@@ -166,7 +160,7 @@ TEST(DeskewRules, EchoesOfABeamMoveTogether) {
 
 TEST(DeskewRules, VehiclesOwnReturnsStayItsOwnWhileItDrives) {
   // The rear left corner of the vehicle, seen 60 ms and 0.12 m before the instant.
-  Merger merger(grid_of(720), {}, 1, with_visibility());
+  Merger merger(test::full_circle(720, 40), {}, 1, with_visibility());
   merger.set_footprint(Footprint({{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}));
   PlanarScan scan = sweep_of(541);
   for (std::size_t i = 0; i < scan.beams; ++i) {
@@ -184,7 +178,7 @@ TEST(DeskewRules, VehiclesOwnReturnsStayItsOwnWhileItDrives) {
 }
 
 TEST(DeskewRules, NothingIsAllocatedPerMergeInAnyProfileWithOrWithoutMotion) {
-  Merger merger(grid_of(1440), {}, 2, with_visibility());
+  Merger merger(test::full_circle(1440, 40), {}, 2, with_visibility());
   PlanarScan safety;
   Outputs out;
   out.list.push_back({Profile::safety, &safety});

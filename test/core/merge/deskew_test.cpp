@@ -5,10 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/base/angle.h"
 #include "core/merge/merger.h"
+#include "test/sim/world/circle.h"
 #include "test/sim/world/flat_world.h"
 #include "test/sim/world/units.h"
 #include "test/sim/world/vehicle_motion.h"
@@ -22,13 +22,6 @@ using sim::FlatWorld;
 using sim::Pose2;
 
 Span s(double seconds) { return span_from_seconds(seconds); }
-
-ScanGrid full_circle(std::size_t beams, double range_max = 40) {
-  ScanGridSpec spec;
-  spec.beams = beams;
-  spec.range_max = range_max;
-  return make_grid(spec).value();
-}
 
 /// Where a vehicle is, s after t0.
 using Motion = std::function<Pose2(double)>;
@@ -87,7 +80,7 @@ TEST(Deskew, StandingVehicleGivesTheVeryScanThatComesWithoutPoses) {
   scanner.at = {1, 0.5};
   scanner.yaw = 0.3;
   TwoOutputs with, without;
-  Merger merger(full_circle(1440), {}, 1, all_profiles());
+  Merger merger(test::full_circle(1440, 40), {}, 1, all_profiles());
   merger.add(0, drive.sweep(scanner, 0, 0.06), scanner.pose());
   const PoseTrack track = drive.track(-0.1, 0.1);
   const MergeReport& report = merger.merge({t0 + s(0.06), &track, make_pose({0.2, 0.1, 0}, {0, 0, 0.7})}, {1},
@@ -113,7 +106,7 @@ TEST(Deskew, WallAheadStandsWhereItIsAtTheOutputsInstant) {
   drive.world.add_wall({10, -30}, {10, 30});
   FlatScanner scanner = scanner_of(0.5, 180);
   TwoOutputs out;
-  Merger merger(full_circle(1440), {}, 1, all_profiles());
+  Merger merger(test::full_circle(1440, 40), {}, 1, all_profiles());
   merger.add(0, drive.sweep(scanner, 0, 0.06), scanner.pose());
   const PoseTrack track = drive.track(-0.1, 0.1);
   merger.merge({t0 + s(0.06), &track}, {1}, out.list, &out.cloud);
@@ -123,7 +116,7 @@ TEST(Deskew, WallAheadStandsWhereItIsAtTheOutputsInstant) {
   for (std::size_t beam = 0; beam < out.strict.beams; ++beam) {
     if (out.strict.statuses[beam] != BeamStatus::hit) continue;
     ++hits;
-    const double angle = full_circle(1440).angle(beam);
+    const double angle = test::full_circle(1440, 40).angle(beam);
     EXPECT_NEAR(out.strict.ranges[beam] * std::cos(angle), 10, 1e-3) << angle;
   }
   EXPECT_GT(hits, 500);
@@ -146,7 +139,7 @@ TEST(Deskew, WallsStayStraightAndMeetAtTheSeamWhileTheVehicleTurns) {
   drive.world.add_wall({10, -10}, {10, 10});
   FlatScanner scanner = scanner_of(0.5, 359.5);
   scanner.yaw = 0;
-  Merger merger(full_circle(1440), {}, 1, all_profiles());
+  Merger merger(test::full_circle(1440, 40), {}, 1, all_profiles());
   merger.add(0, drive.sweep(scanner, 0, 0.12), scanner.pose());
   const PoseTrack track = drive.track(-0.1, 0.3);
   const auto worst_deviation = [&](const PoseTrack* used) {
@@ -236,7 +229,7 @@ Errors errors_while_swinging(std::uint64_t seed, double poses_until_after_end) {
     PoseTrack track;
     vehicle.report(track, t0, 50, end - 0.5, end + poses_until_after_end);
     const double at = std::min(end, seconds(track.newest() - t0));
-    Merger merger(full_circle(1440), {}, 2);
+    Merger merger(test::full_circle(1440, 40), {}, 2);
     std::vector<Eigen::Vector2d> truth;
     for (std::size_t i = 0; i < 2; ++i) {
       const PlanarScan scan = drive.sweep(both[i].scanner, both[i].begin_before(end), both[i].duration);

@@ -7,90 +7,15 @@
 #include <cmath>
 #include <limits>
 #include <utility>
-#include <vector>
 
-#include "core/merge/merger.h"
-#include "core/motion/pose_track.h"
-#include "test/sim/world/flat_world.h"
-#include "test/sim/world/units.h"
+#include "test/core/merge/merged_scene.h"
 
 namespace lidard {
 namespace {
 
-/// A world, scanners of a vehicle, and what a merged scan seen from `origin` makes of them.
-struct PostScene {
-  /// The vehicle drives ahead with `speed`; the output is made `late` s after the sweep.
-  void look(double speed = 0, double late = 0) { look(sim::Pose2{speed, 0, 0}, late); }
-  /// `speed`: per s, of the vehicle's pose, which is the world's frame at the output's instant.
-  void look(const sim::Pose2& speed, double late) {
-    constexpr double instant = 1;
-    const double begin = instant - late - sweep_s;
-    const bool moves = speed.x != 0 || speed.y != 0 || speed.yaw != 0;
-    const auto pose = [&](double after) {
-      const double t = after - instant;
-      return sim::Pose2{speed.x * t, speed.y * t, speed.yaw * t};
-    };
-    ScanGridSpec spec;
-    spec.beams = 1440;
-    spec.range_max = range_max;
-    MergeSettings settings;
-    settings.points = false;
-    settings.visibility = true;
-    settings.how.noise = settings.source.noise = 0.01;
-    Merger merger(*make_grid(spec), {}, scanners.size(), settings);
-    const Pose output = make_pose({-origin.x(), -origin.y(), 0}, {0, 0, 0});
-    merger.set_footprint(Footprint(outline).transformed(output));
-    sim::Rng rng(1);
-    for (std::size_t s = 0; s < scanners.size(); ++s) {
-      const double between = sweep_s / (scanners[s].field / scanners[s].increment);
-      PlanarScan scan;
-      const auto place = [&](std::size_t beam) { return pose(begin + static_cast<double>(beam) * between); };
-      if (moves)
-        scanners[s].measure(world, place, rng, scan);
-      else
-        scanners[s].measure(world, rng, scan);
-      for (std::size_t i = 0; i < scan.beams; ++i)
-        if (rng.uniform() < invalid) scan.set_without_hit(i, BeamStatus::invalid);
-      scan.stamp = t0 + span_from_seconds(begin);
-      scan.time_increment = static_cast<float>(between);
-      ASSERT_TRUE(merger.add(s, scan, output * scanners[s].pose()));
-    }
-    PoseTrack track;
-    for (int i = 0; i <= 102; ++i) {
-      const sim::Pose2 at = pose(0.01 * i);
-      track.add(t0 + span_from_seconds(0.01 * i), make_pose({at.x, at.y, 0}, {0, 0, at.yaw}));
-    }
-    MergeMoment moment;
-    moment.at = t0 + span_from_seconds(instant);
-    moment.output_from_base = output;
-    if (moves) moment.track = &track;
-    merger.merge(moment, std::vector<char>(scanners.size(), 1),
-                 {{Profile::strict, &strict}, {Profile::safety, &safety}}, nullptr);
-  }
-  /// Beams that end at the world before `limit` m, and more than `edge` m beside its edges; and those of them
-  /// that are free in either profile.
-  void count(double limit, double edge = 0) {
-    blocked = free = 0;
-    for (std::size_t i = 0; i < strict.beams; ++i) {
-      const auto angle = static_cast<double>(strict.angle(i));
-      const double truth = world.cast(origin, angle), aside = edge / truth;
-      if (truth > limit || world.cast(origin, angle - aside) > limit ||
-          world.cast(origin, angle + aside) > limit)
-        continue;
-      ++blocked;
-      for (const PlanarScan* scan : {&strict, &safety}) free += scan->statuses[i] == BeamStatus::none ? 1 : 0;
-    }
-  }
-
-  sim::FlatWorld world;
-  std::vector<sim::FlatScanner> scanners{1};
-  std::vector<Eigen::Vector2d> outline;
-  Eigen::Vector2d origin{0, 0};
-  double range_max = 12;
-  double sweep_s = 0.06;
-  double invalid = 0;  // share of the beams
-  PlanarScan strict, safety;
-  int blocked = 0, free = 0;
+/// One scanner in the vehicle's origin.
+struct PostScene : test::MergedScene {
+  PostScene() { scanners.resize(1); }
 };
 
 TEST(HidingPosts, TheStripBesideTheFirstBeamOfAVehicleThatDrovePastIsNotSeen) {
@@ -290,23 +215,19 @@ TEST(HidingPosts, APostThatIsPassedClosely) {
 }
 
 /// A vehicle of 2 m x 1 m with a scanner on each of two opposite corners.
-PostScene pair_of_scanners(double sweep_s) {
-  PostScene scene;
+test::MergedScene pair_of_scanners(double sweep_s) {
+  test::MergedScene scene;
   scene.sweep_s = sweep_s;
   scene.outline = {{-1, -0.5}, {1, -0.5}, {1, 0.5}, {-1, 0.5}};
-  scene.scanners.assign(2, {});
-  for (std::size_t s = 0; s < 2; ++s) {
-    scene.scanners[s].increment = 0.5 * degree;
-    scene.scanners[s].at = s == 0 ? Eigen::Vector2d(1, 0.5) : Eigen::Vector2d(-1, -0.5);
-    scene.scanners[s].yaw = (s == 0 ? 45 : -135) * degree;
-  }
+  scene.add_scanner({1, 0.5}, 45);
+  scene.add_scanner({-1, -0.5}, -135);
   return scene;
 }
 
 TEST(HidingPosts, WhereTheVehicleWasNothingElseWas) {
   for (const double speed : {1.0, 2.0, 5.0, -2.0, -5.0}) {
     for (const double sweep_s : {0.04, 0.1}) {
-      PostScene scene = pair_of_scanners(sweep_s);
+      test::MergedScene scene = pair_of_scanners(sweep_s);
       scene.look(speed, 0.02);
       scene.count(std::numeric_limits<double>::infinity());
       EXPECT_EQ(scene.free, 2 * scene.blocked) << speed << " m/s, sweep of " << sweep_s << " s";
@@ -315,7 +236,7 @@ TEST(HidingPosts, WhereTheVehicleWasNothingElseWas) {
 }
 
 TEST(HidingPosts, SingleBeamsWithoutEvidenceOfAVehicleThatDrivesCostLittle) {
-  PostScene scene = pair_of_scanners(0.1);
+  test::MergedScene scene = pair_of_scanners(0.1);
   scene.invalid = 0.03;
   for (int post = 0; post < 12; ++post) {
     const double azimuth = (30 * post + 15) * degree;

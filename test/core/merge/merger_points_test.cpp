@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/merge/merger.h"
+#include "test/sim/world/circle.h"
 #include "test/sim/world/rng.h"
 #include "test/sim/world/vehicle_motion.h"
 
@@ -15,14 +16,6 @@ namespace lidard {
 namespace {
 
 constexpr Stamp start{1'700'000'000'000'000'000};
-
-ScanGrid circle() {
-  ScanGridSpec spec;
-  spec.beams = 360;
-  spec.range_min = 0.5;
-  spec.range_max = 15;
-  return make_grid(spec).value();
-}
 
 PlanarScan random_scan(sim::Rng& rng, Stamp stamp) {
   PlanarScan scan;
@@ -59,7 +52,7 @@ struct RandomMerge {
     settings.each.assign(sources, settings.source);
     settings.each[0].range_max = 9;
     settings.each[0].angle_min = -1.5;
-    Merger merger(circle(), band, sources, settings);
+    Merger merger(test::full_circle(360, 15, 0.5), band, sources, settings);
     merger.set_footprint(body);
     use.assign(sources, 1);
     if (sources == 3) use[1] = 0;
@@ -142,7 +135,7 @@ TEST(MergerPoints, OfTheReturnsInABeamTheNearestCountsThatIsInTheBandAndNotTheVe
       own += e.own ? 1 : 0;
       if (e.own || merge.margin.contains(e.place.head<2>()) || range < 0.5 || range > 15) continue;
       if (e.place.z() < merge.band.min || e.place.z() > merge.band.max) continue;
-      const std::size_t beam = circle().nearest(std::atan2(e.place.y(), e.place.x()));
+      const std::size_t beam = test::full_circle(360, 15, 0.5).nearest(std::atan2(e.place.y(), e.place.x()));
       if (range < nearest[beam]) nearest[beam] = range, intensity[beam] = e.intensity;
       ++points;
     }
@@ -163,7 +156,7 @@ TEST(MergerPoints, OfTheReturnsInABeamTheNearestCountsThatIsInTheBandAndNotTheVe
 
 TEST(MergerPoints, IntensitiesAreThereWhereAllSourcesInUseHaveThem) {
   const auto has = [](bool first, bool second, const std::vector<char>& use) {
-    Merger merger(circle(), {}, 2);
+    Merger merger(test::full_circle(360, 15, 0.5), {}, 2);
     for (std::size_t s = 0; s < 2; ++s) {
       PlanarScan scan;
       scan.reset(10, 1, s == 0 ? first : second);

@@ -2,78 +2,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cmath>
 #include <limits>
-#include <vector>
 
-#include "core/merge/scheduler.h"
-#include "test/sim/world/rng.h"
-#include "test/sim/world/units.h"
+#include "test/core/merge/scheduler_bench.h"
 
 namespace lidard {
 namespace {
 
-constexpr Stamp origin{1'700'000'000'000'000'000};
-
-struct Delivery {
-  std::size_t source;
-  Span end, arrival;
-  double period;
-};
-
-struct Output {
-  Span at;
-  std::vector<char> use;
-};
-
-/// A day in the life of some scanners: some late, some silent for a while, some from the start.
-std::vector<Delivery> random_deliveries(sim::Rng& rng, std::size_t sources, Span length) {
-  std::vector<Delivery> all;
-  for (std::size_t s = 0; s < sources; ++s) {
-    const double period = 20 + 60 * rng.uniform();
-    const double silent_from = rng.uniform() * 2500, silent_to = silent_from + rng.uniform() * 1500;
-    const double delay = 10 * rng.uniform();
-    for (double end = period * rng.uniform(); ms(end) < length; end += period) {
-      if (end > silent_from && end < silent_to) continue;
-      const Span arrival = ms(end + delay + 3 * rng.uniform());
-      all.push_back({s, ms(end), arrival, period / 1000});
-    }
-  }
-  std::sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.arrival < b.arrival; });
-  return all;
-}
-
-/// The outputs if the scheduler is asked at deliveries, when it says, and (`always`) every half millisecond
-/// too.
-std::vector<Output> outputs_of(const std::vector<Delivery>& deliveries, std::size_t sources,
-                               const ScheduleSettings& settings, Span length, bool always) {
-  Scheduler scheduler(sources, settings);
-  std::vector<Output> outputs;
-  Span now{};
-  const auto look = [&] {
-    if (!scheduler.is_due(origin + now)) return;
-    outputs.push_back({now, scheduler.usable(origin + now)});
-    scheduler.done(origin + now);
-  };
-  look();
-  for (std::size_t next = 0;;) {
-    Span at = next < deliveries.size() ? deliveries[next].arrival : length;
-    const Span delivery = at;
-    if (const auto event = scheduler.next_event()) at = std::min(at, *event - origin);
-    if (always) at = std::min(at, now + ms(0.5));
-    now = at;
-    if (now >= length) return outputs;
-    if (at == delivery && next < deliveries.size()) {
-      const Delivery& d = deliveries[next++];
-      scheduler.delivered(d.source, origin + d.end, d.period, origin + now);
-    }
-    look();
-  }
-}
+using test::FreeScanner;
+using test::origin;
+using test::Schedule;
 
 TEST(SchedulerEvents, WhoAsksAtTheEventsAloneMissesNothingThatWhoAlwaysAsksGets) {
-  constexpr Span length = ms(4000);
   sim::Rng rng(3);
   std::size_t compared = 0;
   for (const Policy policy : {Policy::complete, Policy::rate, Policy::trigger}) {
@@ -85,9 +25,18 @@ TEST(SchedulerEvents, WhoAsksAtTheEventsAloneMissesNothingThatWhoAlwaysAsksGets)
       if (round % 4 == 1) settings.deadline = ms(30 * rng.uniform());
       const std::size_t sources = 1 + static_cast<std::size_t>(round) % 3;
       settings.trigger = sources - 1;
-      const auto deliveries = random_deliveries(rng, sources, length);
-      const auto events = outputs_of(deliveries, sources, settings, length, false);
-      const auto always = outputs_of(deliveries, sources, settings, length, true);
+      // A day in the life of some scanners: some late, some silent for a while, some from the start.
+      std::vector<FreeScanner> scanners(sources);
+      for (FreeScanner& scanner : scanners) {
+        scanner.period = 20 + 60 * rng.uniform();
+        scanner.phase = scanner.period * rng.uniform();
+        scanner.silent_from = rng.uniform() * 2500;
+        scanner.back = scanner.silent_from + rng.uniform() * 1500;
+        scanner.delay = 10 * rng.uniform();
+        scanner.delay_jitter = 3;
+      }
+      const auto events = Schedule(scanners, 4000, settings).outputs;
+      const auto always = Schedule(scanners, 4000, settings, true).outputs;
       ASSERT_EQ(events.size(), always.size()) << to_string(policy) << ' ' << round;
       for (std::size_t i = 0; i < events.size(); ++i) {
         ASSERT_EQ(events[i].at, always[i].at)

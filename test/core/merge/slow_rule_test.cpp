@@ -11,11 +11,11 @@
 #include <cstdlib>
 #include <iomanip>
 #include <iostream>
-#include <string>
 #include <vector>
 
 #include "core/merge/merger.h"
 #include "core/motion/pose_track.h"
+#include "test/sim/world/circle.h"
 #include "test/sim/world/units.h"
 
 namespace lidard::sim {
@@ -67,10 +67,7 @@ struct RuleCount {
 class RuleScene {
  public:
   RuleScene(const RuleCase& set_up, std::uint64_t seed) : set_up_(set_up), seed_(seed), rng_(seed) {
-    ScanGridSpec spec;
-    spec.beams = rng_.uniform() < 0.5 ? 720 : 1440;
-    spec.range_max = reach;
-    grid_ = *make_grid(spec);
+    grid_ = test::full_circle(rng_.uniform() < 0.5 ? 720 : 1440, reach);
     settings_.points = false;
     settings_.visibility = true;
     settings_.how.noise = settings_.source.noise = 0.01;

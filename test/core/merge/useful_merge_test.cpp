@@ -3,11 +3,11 @@
 // What merged scans must say although something is in the way, and which sources prove it.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "core/base/angle.h"
 #include "core/merge/merger.h"
+#include "test/sim/world/circle.h"
 #include "test/support/merge_score.h"
 
 namespace lidard {
@@ -18,10 +18,7 @@ constexpr double degree = rad_per_deg;
 /// Two scanners at the front of a vehicle, merged in its middle.
 struct Front {
   explicit Front(const std::vector<SourceSettings>& each = {}) {
-    ScanGridSpec spec;
-    spec.beams = 1440;
-    spec.range_max = 12;
-    grid = *make_grid(spec);
+    grid = test::full_circle(1440, 12);
     MergeSettings settings;
     settings.points = false;
     settings.visibility = true;

@@ -90,15 +90,6 @@ TEST(CloudMotion, AWallStaysAWallWhileTheVehicleDrivesAndTurns) {
   EXPECT_GT(worst_error(cloud, {}, motion.instant()), 0.5);
 }
 
-TEST(CloudMotion, ACloudWithoutColumnsIsMovedByTheTimesOfItsPoints) {
-  const Cloud cloud = without_columns(seen_while_driving());
-  CloudMotion motion;
-  ASSERT_TRUE(motion.find(cloud, mount(), odometry(cloud, -60, 140)));
-  EXPECT_TRUE(motion.columns().empty());
-  EXPECT_LT(worst_error(moved(motion, cloud), {}, motion.instant()), 1 * mm);
-  EXPECT_GT(worst_error(cloud, {}, motion.instant()), 0.5);
-}
-
 TEST(CloudMotion, TheInstantMayBeAnyOfTheCloud) {
   for (const Cloud& cloud : {seen_while_driving(), without_columns(seen_while_driving())}) {
     for (const int ms : {0, 37, 100}) {

@@ -46,19 +46,6 @@ TEST(PoseTrack, BeforeTheOldestKnotAndWhenEmptyNothingIsKnown) {
   EXPECT_EQ(pose.translation().x(), 1);  // left alone
 }
 
-TEST(PoseTrack, CarriesTheTwistOnForFiftyMillisecondsAndNoLonger) {
-  const PoseTrack track = arc_track(2, 1.2, 10);
-  for (double t = 0; t <= 50; t += 5) {
-    Pose pose;
-    ASSERT_EQ(track.at(t0 + ms(180 + t), pose), t == 0 ? PoseOrigin::known : PoseOrigin::extrapolated);
-    const Pose truth = sim::to_pose(sim::drive({}, {10, 2, 1.2}, 0.18 + t * 1e-3));
-    EXPECT_LT(distance(pose, truth), 1e-9) << t;  // an arc is a constant twist
-    EXPECT_TRUE(pose.linear().isApprox(truth.linear(), 1e-9)) << t;
-  }
-  Pose pose;
-  EXPECT_EQ(track.at(t0 + ms(180) + ms(50) + Span(1), pose), PoseOrigin::missing);
-}
-
 TEST(PoseTrack, ClimbingAndRollingTwistsAreCarriedOnToo) {
   const Pose step = make_pose({0.04, 0.01, 0.005}, {0.02, -0.01, 0.03});
   PoseTrack track;

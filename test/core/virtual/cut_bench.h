@@ -5,11 +5,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
-#include <string>
 
 #include "core/base/angle.h"
 #include "core/virtual/virtualizer.h"
+#include "test/sim/world/circle.h"
 #include "test/sim/world/units.h"
 #include "test/support/yard.h"
 
@@ -18,12 +17,7 @@ namespace lidard::test::cut {
 constexpr double lidar_height = 2.0;
 constexpr double plane_height = 0.5;
 
-inline ScanGrid full_circle(std::size_t beams) {
-  ScanGridSpec spec;
-  spec.beams = beams;
-  spec.range_max = 60;
-  return *make_grid(spec);
-}
+inline ScanGrid full_circle(std::size_t beams) { return test::full_circle(beams, 60); }
 
 inline sim::Object wall(double x0, double y0, double x1, double y1, double z_max = 4, double z_min = 0) {
   sim::Object object;

@@ -9,22 +9,15 @@
 #include <vector>
 
 #include "core/motion/pose_track.h"
-#include "core/virtual/virtualizer.h"
-#include "test/sim/world/units.h"
-#include "test/support/yard.h"
+#include "test/core/virtual/cut_bench.h"
 
 namespace lidard {
 namespace {
 
-sim::Object wall(double x0, double y0, double x1, double y1, double top) {
-  sim::Object one;
-  one.shape = sim::Wall{{x0, y0}, {x1, y1}, 0, top};
-  return one;
-}
+using test::cut::wall;
 
 sim::Object box(const Eigen::Vector3d& center, const Eigen::Vector3d& size, double yaw = 0) {
-  sim::Object one;
-  one.shape = sim::Box{size};
+  sim::Object one = test::cut::box(center, size);
   one.pose = make_pose(center, {0, 0, yaw});
   return one;
 }
@@ -32,19 +25,11 @@ sim::Object box(const Eigen::Vector3d& center, const Eigen::Vector3d& size, doub
 /// A lidar of 16 rings and a virtual scan of it.
 struct HidingScene {
   explicit HidingScene(double lidar_height, GroundModel ground = GroundModel::slope) {
-    lidar.elevations = sim::even_rings(16, -15, 15);
     lidar.pose = make_pose({0, 0, lidar_height}, {0, 0, 0});
-    settings.visibility = true;
     settings.how.noise = 0.02;
     settings.ground.model = ground;
-    settings.beams.no_return_free_range = 100;
   }
-  ScanGrid grid() const {
-    ScanGridSpec spec;
-    spec.beams = 720;
-    spec.range_max = range_max;
-    return *make_grid(spec);
-  }
+  ScanGrid grid() const { return test::full_circle(720, range_max); }
   void look(const Cloud& cloud, const CloudMotion* motion = nullptr) {
     Virtualizer virtualizer(grid(), band, 1, settings);
     virtualizer.set_cloud(cloud, lidar.pose, motion);
@@ -90,9 +75,9 @@ struct HidingScene {
   }
 
   sim::Yard yard;
-  sim::YardLidar lidar;
+  sim::YardLidar lidar = test::cut::lidar16();
   Pose frame = Pose::Identity();
-  VirtualSettings settings;
+  VirtualSettings settings = test::cut::settings_with_ground();
   HeightBand band;
   double range_max = 10;
   PlanarScan strict, safety;

@@ -5,9 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/virtual/virtualizer.h"
+#include "test/sim/world/circle.h"
 #include "test/support/yard.h"
 
 namespace lidard::test::two_lidars {
@@ -32,10 +32,7 @@ struct Scene {
       lidar.pose = mounts[i];
       clouds[i] = sim::measure(with_mast, lidar, rng);
     }
-    ScanGridSpec spec;
-    spec.beams = yard.grid.beams;
-    spec.range_max = range_max;
-    grid = *make_grid(spec);
+    grid = full_circle(yard.grid.beams, range_max);
   }
   /// The scan of the lidars of which a cloud is given.
   PlanarScan scan(Profile profile, const Cloud* first, const Cloud* second,

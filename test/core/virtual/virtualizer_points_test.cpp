@@ -3,25 +3,17 @@
 // Profile `flatten` point by point, against a search of all points.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "core/virtual/virtualizer.h"
 #include "test/core/virtual/small_lidar.h"
+#include "test/sim/world/circle.h"
 
 namespace lidard {
 namespace {
 
 using namespace test::rings;
-
-ScanGrid circle() {
-  ScanGridSpec spec;
-  spec.beams = 360;
-  spec.range_min = 1;
-  spec.range_max = 12;
-  return make_grid(spec).value();
-}
 
 Eigen::Vector3d place_of(const CloudPoint& p) { return Eigen::Vector3f(p.x, p.y, p.z).cast<double>(); }
 
@@ -34,7 +26,7 @@ struct Nearest {
 template <class Place>
 std::vector<Nearest> search(const Cloud& cloud, const Pose& mount, const Footprint& body, HeightBand band,
                             Place place) {
-  const ScanGrid grid = circle();
+  const ScanGrid grid = test::full_circle(360, 12, 1);
   std::vector<Nearest> found(grid.beams);
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const CloudPoint& p = cloud.points()[i];
@@ -102,7 +94,7 @@ TEST(VirtualizerPoints, FlattenIsTheNearestPointPerBeamAlsoWhileTheVehicleDrives
       }
     }
     if (!in_columns) cloud.columns.clear();
-    Virtualizer virtualizer(circle(), band);
+    Virtualizer virtualizer(test::full_circle(360, 12, 1), band);
     virtualizer.set_footprint(body);
     virtualizer.set_cloud(cloud, mount, moves ? &motion : nullptr);
     PlanarScan scan;
@@ -137,7 +129,7 @@ TEST(VirtualizerPoints, ACloudWithoutRingsIsPointsInTheSafetyScanAlsoWhileTheVeh
     VirtualSettings settings;
     settings.visibility = true;
     settings.mode = CutMode::band;
-    Virtualizer virtualizer(circle(), band, 1, settings);
+    Virtualizer virtualizer(test::full_circle(360, 12, 1), band, 1, settings);
     virtualizer.set_cloud(cloud, mount, moves ? &motion : nullptr);
     EXPECT_STREQ(virtualizer.why_no_surfaces(), "its returns do not fall into rings");
     PlanarScan safety, strict;

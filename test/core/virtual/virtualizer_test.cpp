@@ -4,9 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "test/core/virtual/cut_bench.h"
 #include "test/core/virtual/small_lidar.h"
@@ -16,47 +14,6 @@ namespace lidard {
 namespace {
 
 using namespace test::cut;
-
-TEST(Virtualizer, WallsAreWhereTheyAreFromFiveToTwentyMetres) {
-  for (double distance = 5; distance <= 20; distance += 2.5) {
-    sim::Yard yard;
-    yard.objects = {wall(distance, -30, distance, 30)};
-    Cut cut;
-    cut.make(seen(yard, lidar16()), lidar16().pose);
-    for (double angle = -45 * degree; angle <= 45 * degree; angle += degree / 2) {
-      const double truth = distance / std::cos(cut.grid.angle(cut.grid.nearest(angle)));
-      ASSERT_NEAR(cut.range(cut.strict, angle), truth, 0.010) << distance << " m, " << angle / degree;
-      ASSERT_NEAR(cut.range(cut.safety, angle), truth, 0.010) << distance << " m, " << angle / degree;
-    }
-  }
-}
-
-TEST(Virtualizer, ATiltedFrameMeetsAWallOnTheAnalyticLine) {
-  sim::Yard yard;
-  yard.ground = false;
-  yard.objects = {wall(8, -30, 8, 30, 12, -12)};
-  Cut cut;
-  cut.settings.ground.model = GroundModel::none;
-  // The pitch of ira_laser_tools' launch file, from the lidar's own place and from another one.
-  for (const Eigen::Vector3d& at : {Eigen::Vector3d(0, 0, 2), Eigen::Vector3d(1, 0.4, 1.5)}) {
-    for (const double pitch : {0.3, -0.3}) {
-      cut.frame = make_pose(at, {0, pitch, 0});
-      sim::YardLidar lidar = lidar16();
-      lidar.elevations = sim::even_rings(32, -25, 25);
-      cut.make(seen(yard, lidar), lidar.pose);
-      int beams = 0;
-      for (std::size_t beam = 0; beam < cut.grid.beams; ++beam) {
-        const double angle = cut.grid.angle(beam);
-        // Where a beam of that angle in the tilted plane meets x = 8.
-        const double truth = (8 - at.x()) / (std::cos(angle) * std::cos(pitch));
-        if (std::abs(angle) > 40 * degree) continue;
-        ++beams;
-        ASSERT_NEAR(cut.range(cut.safety, angle), truth, 0.010) << angle / degree << " deg, pitch " << pitch;
-      }
-      EXPECT_GE(beams, 150);
-    }
-  }
-}
 
 TEST(Virtualizer, AFrameUpsideDownShowsTheSameMirrored) {
   sim::Yard yard;
@@ -303,34 +260,6 @@ TEST(Virtualizer, TheVehicleItselfIsNeitherHitNorSeenThrough) {
       EXPECT_GT(scan->ranges[beam], 5) << cut.grid.angle(beam) / degree;
     }
     EXPECT_NE(scan->statuses[cut.grid.nearest(pi_d - 0.01)], BeamStatus::none);
-  }
-}
-
-TEST(Virtualizer, LasersThatPointToDifferentAzimuthsAreStraightened) {
-  sim::Yard yard;
-  yard.objects = {wall(10, -30, 10, 30), box({5, 2, 0.6}, {0.4, 0.4, 1.2})};
-  sim::YardLidar lidar = lidar16();
-  // As the HDL-64E's and the VLS-128's lasers do, several degrees to both sides.
-  for (std::size_t r = 0; r < 16; ++r)
-    lidar.offsets.push_back((static_cast<double>((r * 7) % 16) - 8) * 0.8 * degree);
-  Cut cut, even;
-  cut.make(seen(yard, lidar), lidar.pose);
-  even.make(seen(yard, lidar16()), lidar16().pose);
-  EXPECT_NEAR(cut.range(cut.strict, 0), 10, 0.01);
-  EXPECT_NEAR(cut.range(cut.safety, std::atan2(1.85, 4.8)), even.range(even.safety, std::atan2(1.85, 4.8)),
-              0.03);
-}
-
-TEST(Virtualizer, AnyPoseGivesAWellFormedScan) {
-  const sim::YardScene scene = sim::make_yard_scene(sim::yard_cases()[0], 5);
-  sim::Rng rng(7);
-  Cut cut;
-  for (int i = 0; i < 60; ++i) {
-    const auto any = [&](double size) { return (rng.uniform() - 0.5) * size; };
-    cut.frame = make_pose({any(60), any(60), any(8)}, {any(6), any(6), any(6)});
-    cut.settings.mode = i % 2 == 0 ? CutMode::slice : CutMode::band;
-    cut.band = i % 2 == 0 ? HeightBand{} : HeightBand{-0.5, 1};
-    cut.make(scene.cloud, scene.lidar.pose);
   }
 }
 

@@ -135,8 +135,9 @@ TEST_F(ConfigCalibration, MistakesHaveTheirPlace) {
 TEST_F(ConfigCalibration, AStepThatIsNotTheModelsIsAWarning) {
   std::ofstream(folder_ + good_) << calibration(16, 0.004);
   const Config config = parse("calibration: " + good_);
-  ASSERT_EQ(config.warnings.size(), 1U);
-  EXPECT_THAT(config.warnings[0],
+  const auto remarks = remarks_on(config);
+  ASSERT_EQ(remarks.size(), 1U);
+  EXPECT_THAT(remarks[0],
               HasSubstr("config_calibration.yaml:1:38: sensors.a.calibration has a distance "
                         "step of 4 mm, but VLP-16 counts in 2 mm"));
 }
