@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "daemon/commands/commands.h"
+#include "daemon/offline/remarks.h"
 #include "drivers/velodyne/calibration.h"
 #include "test/daemon/config/config_support.h"
 #include "test/support/captures.h"
@@ -135,9 +136,8 @@ TEST_F(ConfigCalibration, MistakesHaveTheirPlace) {
 TEST_F(ConfigCalibration, AStepThatIsNotTheModelsIsAWarning) {
   std::ofstream(folder_ + good_) << calibration(16, 0.004);
   const Config config = parse("calibration: " + good_);
-  const auto remarks = remarks_on(config);
-  ASSERT_EQ(remarks.size(), 1U);
-  EXPECT_THAT(remarks[0],
+  ASSERT_EQ(remarks_on(config).size(), 1U);
+  EXPECT_THAT(remarks_on(config)[0],
               HasSubstr("config_calibration.yaml:1:38: sensors.a.calibration has a distance "
                         "step of 4 mm, but VLP-16 counts in 2 mm"));
 }
