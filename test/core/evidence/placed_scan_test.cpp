@@ -48,6 +48,30 @@ FlatScanner scanner_at(double x, double y, double yaw_deg, double increment_deg)
   return scanner;
 }
 
+TEST(Footprint, KnowsInsideAndCrossingsWhicheverWayItsVerticesGo) {
+  for (const bool reversed : {false, true}) {
+    std::vector<Eigen::Vector2d> v = {{-4, -1}, {0, -1}, {0, 1}, {-4, 1}};
+    if (reversed) std::reverse(v.begin(), v.end());
+    const Footprint body(v);
+    EXPECT_TRUE(body.contains({-2, 0}));
+    EXPECT_FALSE(body.contains({1, 0}));
+    const auto through = body.crossings({1, 0}, {-1, 0});
+    ASSERT_EQ(through.size(), 1U);
+    EXPECT_NEAR(through[0].in, 1, 1e-12);
+    EXPECT_NEAR(through[0].out, 5, 1e-12);
+    EXPECT_TRUE(body.crossings({1, 0}, {1, 0}).empty());
+    EXPECT_EQ(body.crossings({-1, 0}, {0, 1}).at(0).in, 0);
+  }
+}
+
+TEST(Footprint, PaddingMovesEveryEdgeOutwardAlsoWhenTheOriginIsOutside) {
+  const Footprint padded = Footprint({{5, 5}, {7, 5}, {7, 6}, {5, 6}}).padded(0.5);
+  EXPECT_TRUE(padded.contains({4.6, 4.6}));
+  EXPECT_TRUE(padded.contains({7.4, 6.4}));
+  EXPECT_FALSE(padded.contains({4.4, 5.5}));
+  EXPECT_FALSE(padded.contains({6, 6.6}));
+}
+
 TEST(Footprint, TwoVerticesContainNothing) { EXPECT_TRUE(Footprint({{0, 0}, {1, 1}}).empty()); }
 
 TEST(PlacedScan, ReturnsOfTheVehicleAreNeitherSurfaceNorFreeSpace) {
@@ -152,6 +176,16 @@ TEST(PlacedScan, BeamsWiderApartThanTheSteepestSurfaceDoNotCrash) {
   EXPECT_EQ(std::count(c.sweep.kind.begin(), c.sweep.kind.end(), Return::surface), 19);
 }
 
+TEST(PlacedScan, CornersAreWhereTheWallsMeet) {
+  FlatWorld world;
+  world.add_wall({4, 3}, {4, -3});
+  world.add_wall({4, 3}, {-4, 3});
+  const Conditioned c(world, scanner_at(0, 0, 0, 1));
+  ASSERT_EQ(c.sweep.corners.size(), 1U);
+  EXPECT_NEAR(c.sweep.corners[0].at.x, 4, 1e-3);
+  EXPECT_NEAR(c.sweep.corners[0].at.y, 3, 1e-3);
+}
+
 /// Share of veil points found (those more than 0.3 m from both surfaces) and of good returns lost, in
 /// percent.
 struct VeilShares {
@@ -213,6 +247,31 @@ TEST(PlacedScan, WallBesideTheScannerLosesNothingToTheVeilFilter) {
   }
 }
 
+TEST(PlacedScan, BeamThatLeavesTheHeightBandProvesFreeSpaceOnlyUpToThere) {
+  // 3 degrees down from 0.40 m, heights 0.05 to 0.60 m: the band ends at 6.68 m, the floor is met at 7.63 m.
+  Conditioned c(FlatWorld(), scanner_at(0, 0, 0, 0.5));
+  for (std::size_t i = 0; i < c.scan.beams; ++i) c.scan.set_hit(i, 7.64F);
+  c.take(make_pose({0, 0, 0.4}, {0, 3 * degree, 0}), {}, {0.05, 0.60});
+  const std::size_t ahead = c.towards(0);
+  EXPECT_EQ(c.sweep.kind[ahead], Return::nothing);
+  EXPECT_NEAR(c.sweep.free_to[ahead], 6.68, 0.01);
+  // Sideways the beam stays level and its return counts.
+  EXPECT_EQ(c.sweep.kind[c.towards(90 * degree)], Return::surface);
+}
+
+TEST(PlacedScan, WindowsOfRangeAndAngleLeaveReturnsOut) {
+  FlatWorld world;
+  world.add_box({0, 0}, {5, 5}, 0);
+  Conditioned c(world, scanner_at(0, 0, 0, 1));
+  c.settings.angle_min = -0.5;
+  c.settings.angle_max = 0.5;
+  c.settings.range_max = 5.2;
+  c.take(Pose::Identity(), {}, {});
+  EXPECT_EQ(c.sweep.kind[c.towards(10 * degree)], Return::surface);
+  EXPECT_EQ(c.sweep.kind[c.towards(20 * degree)], Return::nothing);  // 5.3 m
+  EXPECT_EQ(c.sweep.kind[c.towards(40 * degree)], Return::nothing);
+}
+
 TEST(PlacedScan, WindowOfAngleGoesThroughStraightBehind) {
   FlatWorld world;
   world.add_box({0, 0}, {5, 5}, 0);
@@ -224,6 +283,59 @@ TEST(PlacedScan, WindowOfAngleGoesThroughStraightBehind) {
   EXPECT_EQ(c.sweep.kind[c.towards(-115 * degree)], Return::surface);
   EXPECT_EQ(c.sweep.kind[c.towards(-105 * degree)], Return::nothing);
   EXPECT_EQ(c.sweep.kind[c.towards(0)], Return::nothing);
+}
+
+TEST(PlacedScan, EchoesAreChosenAsAsked) {
+  PlanarScan scan;
+  scan.reset(3, 2, true);
+  scan.set_angles(-0.01F, 0.01F);
+  scan.range_max = 30;
+  for (std::size_t i = 0; i < 3; ++i) {
+    scan.set_hit(scan.index(i, 0), 4), scan.intensities[scan.index(i, 0)] = 200;
+    scan.set_hit(scan.index(i, 1), 9), scan.intensities[scan.index(i, 1)] = 50;
+  }
+  const auto taken = [&](EchoChoice choice) {
+    SourceSettings settings;
+    settings.echoes = choice;
+    BeamRays rays;
+    rays.build(scan, Pose::Identity(), {}, {});
+    PlacedScan sweep;
+    condition(scan, rays, settings, sweep);
+    return sweep;
+  };
+  EXPECT_EQ(taken(EchoChoice::first).range[1], 4);
+  EXPECT_EQ(taken(EchoChoice::last).range[1], 9);
+  EXPECT_EQ(taken(EchoChoice::strongest).range[1], 4);
+  const PlacedScan all = taken(EchoChoice::all);
+  EXPECT_EQ(all.range[1], 9);
+  ASSERT_EQ(all.early_echoes.size(), 3U);
+  EXPECT_NEAR(all.early_echoes[1].x, 4, 1e-5);
+  EXPECT_EQ(all.free_to[1], 4);
+}
+
+TEST(PlacedScan, ScannerMountedUpsideDownSeesTheSameWorld) {
+  FlatWorld world;
+  world.add_box({1, 0.5}, {5, 3}, 0);
+  Conditioned upright(world, scanner_at(0, 0, 0, 0.5));
+  Conditioned turned(world, scanner_at(0, 0, 0, 0.5));
+  std::reverse(turned.scan.ranges.begin(), turned.scan.ranges.end());
+  turned.take(make_pose({0, 0, 0}, {pi_d, 0, 0}), {}, {});
+  for (std::size_t i = 0; i < upright.scan.beams; ++i) {
+    const std::size_t j = upright.scan.beams - 1 - i;
+    EXPECT_NEAR(upright.sweep.x[i], turned.sweep.x[j], 1e-4);
+    EXPECT_NEAR(upright.sweep.y[i], turned.sweep.y[j], 1e-4);
+  }
+}
+
+TEST(PlacedScan, ATiltedBeamIsFreeWhereItIsWithinTheHeights) {
+  FlatWorld world;
+  world.add_box({20, 0}, {1, 30}, 0);
+  Conditioned seen(world, scanner_at(0, 0, 0, 1));
+  // 1 m high, 10 degrees down: the heights from 0.4 to -0.2 m begin 3.40 m ahead and end 6.81 m ahead.
+  seen.take(make_pose({0, 0, 1}, {0, 10 * degree, 0}), {}, {-0.2, 0.4});
+  const std::size_t ahead = seen.towards(0);
+  EXPECT_NEAR(static_cast<double>(seen.sweep.free_from[ahead]), 0.6 / std::tan(10 * degree), 0.01);
+  EXPECT_NEAR(static_cast<double>(seen.sweep.free_to[ahead]), 1.2 / std::tan(10 * degree), 0.01);
 }
 
 }  // namespace

@@ -69,6 +69,7 @@ class Schedule {
   }
   /// Hz.
   double rate() const {
+    if (outputs.size() < 2) return 0;
     return static_cast<double>(outputs.size() - 1) / seconds(outputs.back().at - outputs.front().at);
   }
   double worst_skew() const {
@@ -84,7 +85,7 @@ class Schedule {
   }
   double longest_gap() const {
     const std::vector<double> gaps = gaps_ms();
-    return *std::max_element(gaps.begin(), gaps.end());
+    return gaps.empty() ? 1e9 : *std::max_element(gaps.begin(), gaps.end());
   }
 
   Scheduler scheduler;
