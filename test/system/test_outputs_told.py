@@ -83,7 +83,7 @@ def without_a_source(tmp):
     """An output that comes without one of its sources is reported, but no failure."""
     code, table, text = replay(tmp, config(tmp, FRONT, REAR, outputs="merged_scans: {one: {laserscan_topics: [front_left, rear]}}\n"))
     expect(code == 0 and table["one"][0] > 50, text)
-    expect("without rear; rear: nothing received" in table["one"][2] and "none" not in table["one"][2], f"{table}")
+    expect("publishing without rear; " in table["one"][2] and "; rear: nothing received" in table["one"][2] and "none" not in table["one"][2], f"{table}")
 
 
 def without_returns(capture):
