@@ -76,7 +76,8 @@ void read_source_settings(const Mapping& yaml, const SourceList& list, Merged& m
 
 void read_free_required(const Mapping& yaml, Merged& merged) {
   if (const auto value = yaml.find("free_required"))
-    merged.free_required = value->number(least_required_m, merged.output.grid.range_max, "m");
+    merged.free_required = value->number(std::min(least_required_m, merged.output.grid.range_max),
+                                         merged.output.grid.range_max, "m");
 }
 
 /// Reads `free_requires:`; the other sources prove nothing free.

@@ -127,6 +127,13 @@ TEST(MergedScanConfig, ReadsTheProfileAndWhatItNeeds) {
   EXPECT_EQ(m.also[1].profile, Profile::flatten);
 }
 
+TEST(MergedScanConfig, IsReadAsPrintedAlsoWhereItEndsBelowTheLeastFreeRange) {
+  const std::string printed =
+      to_yaml(with_outputs("merged_scans: {m: {laserscan_topics: rear, range_max: 0.05}}"));
+  EXPECT_THAT(printed, ::testing::HasSubstr("free_required: 0.05"));
+  EXPECT_EQ(to_yaml(parse_config(printed, "again")), printed);
+}
+
 TEST(MergedScanConfig, WarnsWhenTheVehiclesOutlineIsNeededAndNotThere) {
   const Config config = with_outputs("merged_scans: {m: {laserscan_topics: rear, also: {safe: safety}}}");
   ASSERT_EQ(config.warnings.size(), 1U);
