@@ -12,8 +12,11 @@ namespace {
 constexpr Hundredths narrowest = 1000;
 /// An edge may move by this from turn to turn with the steps of the groups.
 constexpr Hundredths same_edge = 100;
+/// A narrower sector within a packet is a step of the groups.
+constexpr Hundredths finest = 50;
 /// Half the step on the wire, for both ends of an interpolation.
 constexpr Hundredths tolerance = 1;
+constexpr std::int64_t most_turns = 1000;
 constexpr int turns_for_certainty = 10;
 /// So many given packets are hardly lost by chance, even if every second one is: once in 2^18.
 constexpr std::int64_t beyond_chance = 18;
@@ -24,11 +27,12 @@ Hundredths ahead(Hundredths a, Hundredths b) { return b < a ? b - a + whole_turn
 }  // namespace
 
 /// Groups of the hole inside a sector, in all its turns. Group g is at g * turned / groups after the hole's
-/// begin; integers avoid rounding. A hole lasts some seconds at most, so it has some hundred turns, and all
-/// products fit into 64 bits.
+/// begin; integers avoid rounding, and all products fit into 64 bits. Of a hole of minutes, a pause or a
+/// wrong clock, the sector's share counts.
 std::int64_t HiddenSector::groups_inside(const StreamHole& hole, const Sector& sector) {
   const std::int64_t width = sector.width - 2 * tolerance;
   if (width <= 0 || hole.turned <= 0) return 0;
+  if (hole.turned > most_turns * whole_turn) return hole.groups * width / whole_turn;
   // Groups up to an angle after the hole's begin, without one that is exactly there.
   const auto groups_before = [&hole](std::int64_t angle) {
     const std::int64_t groups = (angle * hole.groups + hole.turned - 1) / hole.turned;
@@ -47,15 +51,19 @@ std::uint64_t HiddenSector::lost_of(const StreamHole& hole, const Sector& hidden
   return static_cast<std::uint64_t>(std::max<std::int64_t>(1, std::llround(packets)) - 1);
 }
 
-/// The widest sector that nothing was received of in these turns, within an arc.
+/// The widest sector that nothing was received of in these turns, within an arc; none below `finest`, since
+/// only every such step is looked at.
 HiddenSector::Sector HiddenSector::widest_unseen(const Sector& arc) const {
+  const auto is_edge = [&](Hundredths on) {
+    return on == 0 || on == arc.width || seen_[static_cast<std::size_t>((arc.from + on) % whole_turn)];
+  };
   Sector widest;
-  Hundredths last = 0;
-  for (Hundredths on = 1; on <= arc.width; ++on) {
-    const auto azimuth = static_cast<std::size_t>((arc.from + on) % whole_turn);
-    if (!seen_[azimuth] && on < arc.width) continue;
-    if (on - last > widest.width) widest = {(arc.from + last) % whole_turn, on - last};
-    last = on;
+  for (Hundredths on = finest; on < arc.width; on += finest) {
+    if (is_edge(on)) continue;
+    Hundredths begin = on;
+    while (!is_edge(begin)) --begin;
+    while (!is_edge(on)) ++on;
+    if (on - begin > widest.width) widest = {(arc.from + begin) % whole_turn, on - begin};
   }
   return widest;
 }
