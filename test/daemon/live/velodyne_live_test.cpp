@@ -79,7 +79,7 @@ struct WebBench final : LiveBench {
 };
 
 TEST(VelodyneLive, IsNotAskedUnlessItIsToBe) {
-  for (const std::string keys : {"", ", read: false", ", allow_write: true"}) {
+  for (const std::string keys : {"", ", allow_write: true"}) {
     WebServer server;
     const std::string port = std::to_string(server.peer.port());
     Config config = parse_config("sensors: {roof: {model: velodyne_vlp16, ip_address: 127.0.0.1" +
