@@ -6,7 +6,7 @@
 
 namespace lidard {
 
-/// A rigid transform. `T_a_b` maps coordinates of frame b to frame a, and is the pose of b in a.
+/// A rigid transform. `a_from_b` maps coordinates of frame b to frame a, and is the pose of b in a.
 using Pose = Eigen::Isometry3d;
 
 /// Pose from a translation (m) and fixed-axis roll, pitch, yaw (rad), the order of REP 103.

@@ -30,16 +30,20 @@ bool connects(const SensorConfig& sensor) {
 /// Ports that the daemon listens on and devices that it connects to, with their sensors.
 TextTable sockets_of(const Config& config) {
   std::map<std::pair<std::string, std::string>, std::string> sensors;
+  const auto add = [&](const char* does, const std::string& socket, const SensorConfig& sensor) {
+    std::string& names = sensors[{does, socket}];
+    names += (names.empty() ? "" : ", ") + sensor.name;
+  };
   for (const SensorConfig& sensor : config.sensors) {
     for (const Flow& flow : flows_of(sensor)) {
-      const bool listens = flow.transport == Transport::udp;
-      if (!listens && !connects(sensor)) continue;
-      const std::string port = std::to_string(flow.port);
-      std::string& names =
-          sensors[listens ? std::pair("listens", "udp " + port)
-                          : std::pair("connects", "tcp " + flow.address.to_string() + ":" + port)];
-      names += (names.empty() ? "" : ", ") + sensor.name;
+      if (flow.transport == Transport::udp) add("listens", "udp " + std::to_string(flow.port), sensor);
     }
+    if (sensor.device_port() == 0 || !connects(sensor)) continue;
+    const std::string port = std::to_string(sensor.device_port());
+    add("connects",
+        sensor.ip_address ? "tcp " + sensor.ip_address->to_string() + ":" + port
+                          : "tcp, port " + port + " of the sender",
+        sensor);
   }
   TextTable table{{"DOES", "SOCKET", "FOR"}};
   for (const auto& [socket, names] : sensors) table.push_back({socket.first, socket.second, names});

@@ -78,7 +78,8 @@ TEST_F(Check, ListsOnlyConnectionsThatTheDaemonMakes) {
          "  quad: {model: sick_multiscan136, ip_address: 10.0.0.6, ip_port: 2117, "
          "udp_receiver_ip: 10.0.0.9}\n"
          "  roof: {model: velodyne_vlp16, ip_address: 10.0.0.3}\n"
-         "  mast: {model: velodyne_vlp16, ip_address: 10.0.0.4, control: {allow_write: true, rpm: 600}}\n";
+         "  mast: {model: velodyne_vlp16, ip_address: 10.0.0.4, control: {allow_write: true, rpm: 600}}\n"
+         "  any: {model: sick_nanoscan3, ip_port: 6061, allow_write: true}\n";
   ASSERT_EQ(run_check_ports(path_, out_, err_), 0) << err_.str();
   std::istringstream lines(out_.str());
   std::string tcp;
@@ -86,6 +87,7 @@ TEST_F(Check, ListsOnlyConnectionsThatTheDaemonMakes) {
     if (line.find("connects  tcp 10") == 0) tcp += line.substr(14, line.find(' ', 14) - 14) + " ";
   }
   EXPECT_EQ(tcp, "10.0.0.2:2122 10.0.0.4:80 10.0.0.6:2111 ");
+  EXPECT_THAT(out_.str(), ::testing::HasSubstr("connects  tcp, port 2122 of the sender  any\n"));
 }
 
 TEST_F(Check, QuestionsAnAddressThatThisHostDoesNotHave) {
