@@ -42,18 +42,10 @@ void read_one_source(const Value& entry, SourceSettings& settings) {
   check_sector(yaml, sector_between(settings.angle_min, settings.angle_max));
 }
 
-SourceSettings common_settings(const Merged& merged) {
-  SourceSettings common;
-  common.noise = merged.range_noise;
-  common.echoes = merged.echoes;
-  common.veil_filter = merged.veil_filter;
-  return common;
-}
-
 /// Reads `source_settings:`. Without return a beam proves free space as far as its sensor detects dark
 /// targets, unless the file says otherwise.
 void read_source_settings(const Mapping& yaml, const SourceList& list, Merged& merged) {
-  const SourceSettings common = common_settings(merged);
+  const SourceSettings common = merged.common_settings();
   const auto& sources = merged.laserscan_topics;
   for (const Source& source : list.sources) {
     if (source.free_range > 0 && merged.has_visibility())
@@ -92,7 +84,7 @@ void read_free_requires(const Mapping& yaml, const SourceList& list, Merged& mer
   for (const std::string& source : list.names) {
     const auto& required = merged.free_requires;
     if (std::find(required.begin(), required.end(), source) != required.end()) continue;
-    merged.source_settings.emplace(source, common_settings(merged)).first->second.proves_free = false;
+    merged.source_settings.emplace(source, merged.common_settings()).first->second.proves_free = false;
   }
 }
 
@@ -175,6 +167,14 @@ Merged read_merged(const std::string& name, const Value& entry, Reading& reading
 }  // namespace
 
 bool MergedScanConfig::has_visibility() const { return knows_free_space(output, also); }
+
+SourceSettings MergedScanConfig::common_settings() const {
+  SourceSettings common;
+  common.noise = range_noise;
+  common.echoes = echoes;
+  common.veil_filter = veil_filter;
+  return common;
+}
 
 Keys source_keys(SourceSettings& settings) {
   using namespace keys;

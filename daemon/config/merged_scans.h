@@ -36,6 +36,8 @@ struct MergedScanConfig {
 
   /// True if some scan of this merge is more than points.
   bool has_visibility() const;
+  /// The settings of a source without an entry in source_settings.
+  SourceSettings common_settings() const;
 };
 
 Keys merged_keys(MergedScanConfig& merged);

@@ -17,10 +17,9 @@ MergeSettings settings_of(const MergedScanConfig& config) {
   settings.points = config.output.profile == Profile::flatten || !config.cloud_destination_topic.empty();
   for (const AlsoScanConfig& also : config.also) settings.points |= also.profile == Profile::flatten;
   settings.visibility = config.has_visibility() || !config.status_topic.empty();
-  settings.how.noise = settings.source.noise = config.range_noise;
+  settings.source = config.common_settings();
+  settings.how.noise = config.range_noise;
   settings.how.free_required = config.free_required;
-  settings.source.echoes = config.echoes;
-  settings.source.veil_filter = config.veil_filter;
   for (const std::string& name : config.laserscan_topics) {
     const auto own = config.source_settings.find(name);
     settings.each.push_back(own == config.source_settings.end() ? settings.source : own->second);
