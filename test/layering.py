@@ -86,6 +86,7 @@ WORDS = {
     "DriverOutput|ChangeableOutput": "FrameReceiver, Reconfigurable",
     "SeenPlace|DiscoverPlace|ParameterReader": "Surroundings, DiscoverTarget, Translation",
     "overlap_": "mount_check_",
+    "lying_product|grist": "wrong product, packets",
     "veils?(?!_filter)": "mixed pixel",
     "take_\\w+": "accept, apply, parse, read",
     "lest|whoever|somebody": "the noun",

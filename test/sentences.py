@@ -82,8 +82,10 @@ def page(table):
 
 
 def is_expected(one, texts):
-    """A test has the name, the words with figures, or the longest piece of them; short words stand alone in quotes."""
-    pieces = FIGURE.split(one.words or one.remedy)[::2]
+    """A test has the name, the words with figures, or the longest piece of them; short words stand alone in quotes. Of words that
+    are figures alone the remedy counts."""
+    has_words = re.search(r"\w", FIGURE.sub("", one.words))
+    pieces = FIGURE.split(one.words if has_words else one.remedy)[::2]
     longest = max(pieces, key=len).strip()
     return (re.search(rf"says::{one.name}[>)]", texts) or (longest if len(longest) >= 12 else f'"{one.words}"') in texts
             or len(pieces) > 1 and re.search(r'[^"\n]+?'.join(map(re.escape, pieces)), texts))

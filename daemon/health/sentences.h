@@ -279,6 +279,6 @@ inline constexpr auto too_busy =
 inline constexpr auto all_handed_over = ok("all are handed over");
 inline constexpr auto scans_dropped =
     warn("scans were dropped, since this computer is too busy to merge them", "see `top`");
-inline constexpr auto recurs = part("{sentence} (changes to and fro; `lidard events` counts what follows)");
+inline constexpr auto recurs = part("{sentence} (keeps changing; `lidard events` counts what follows)");
 
 }  // namespace lidard::says

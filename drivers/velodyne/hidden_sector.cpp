@@ -12,13 +12,14 @@ namespace {
 constexpr Hundredths narrowest = 1000;
 /// An edge may move by this from turn to turn with the steps of the groups.
 constexpr Hundredths same_edge = 100;
-/// A narrower sector within a packet is a step of the groups.
+/// The search for unseen sectors looks at every such step: a narrower one is a step between groups.
 constexpr Hundredths finest = 50;
 /// Half the step on the wire, for both ends of an interpolation.
 constexpr Hundredths tolerance = 1;
+/// Turns that are counted one by one; a longer hole is a pause, or a stamp of a wrong clock.
 constexpr std::int64_t most_turns = 1000;
 constexpr int turns_for_certainty = 10;
-/// So many given packets are hardly lost by chance, even if every second one is: once in 2^18.
+/// If every second packet is lost, 18 packets in turn are lost once in 2^18 times: more is no chance.
 constexpr std::int64_t beyond_chance = 18;
 
 /// From `a` clockwise to `b`, all in [0, whole_turn).
@@ -27,8 +28,8 @@ Hundredths ahead(Hundredths a, Hundredths b) { return b < a ? b - a + whole_turn
 }  // namespace
 
 /// Groups of the hole inside a sector, in all its turns. Group g is at g * turned / groups after the hole's
-/// begin; integers avoid rounding, and all products fit into 64 bits. Of a hole of minutes, a pause or a
-/// wrong clock, the sector's share counts.
+/// begin; integers avoid rounding, and all products fit into 64 bits. Of a hole with
+/// more turns the sector's share is taken.
 std::int64_t HiddenSector::groups_inside(const StreamHole& hole, const Sector& sector) {
   const std::int64_t width = sector.width - 2 * tolerance;
   if (width <= 0 || hole.turned <= 0) return 0;

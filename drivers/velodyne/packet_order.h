@@ -45,7 +45,7 @@ class PacketOrder {
       const Reject verdict = judge_product(packet);
       if (verdict != Reject::none) return verdict;
       // Held back until the next packet shows the period.
-      if (packet.view().product() != lying_product_) return Reject::none;
+      if (packet.view().product() != wrong_product_) return Reject::none;
     }
     if (holding_) {
       const Span after_held = hour_difference(packet.view().stamp_us(), held_.view().stamp_us());
@@ -193,7 +193,7 @@ class PacketOrder {
   }
   /// The held packet has another product byte; the next packet's period decides whether the byte is wrong.
   bool is_product_undecided() const {
-    return holding_ && held_.other_product && held_.view().product() != lying_product_;
+    return holding_ && held_.other_product && held_.view().product() != wrong_product_;
   }
   /// For a stamp that does not advance: true if the sensor's clock was set, since the packet has the azimuth
   /// of the next one, or many such packets follow.
@@ -237,7 +237,7 @@ class PacketOrder {
 
   Reject judge_product(const OrderedPacket& packet) {
     const std::uint8_t product = packet.view().product();
-    if (product == lying_product_) return Reject::none;
+    if (product == wrong_product_) return Reject::none;
     if (is_product_undecided()) {
       const Span step = hour_difference(packet.view().stamp_us(), held_.view().stamp_us());
       if (step == Span(0)) {
@@ -245,7 +245,7 @@ class PacketOrder {
         return Reject::duplicate;
       }
       if (is_model_period(step < Span(0) ? -step : step, packet)) {
-        lying_product_ = product;
+        wrong_product_ = product;
         return Reject::none;
       }
       counters_.reject(Reject::model);  // for the held packet
@@ -253,7 +253,7 @@ class PacketOrder {
       return Reject::model;
     } else if (started_) {
       if (is_model_period(since_last(packet), packet)) {
-        lying_product_ = product;
+        wrong_product_ = product;
         return Reject::none;
       }
       counters_.reject(Reject::model);
@@ -301,7 +301,7 @@ class PacketOrder {
   std::size_t early_count_ = 0;
   double turn_rate_ = 0;
   Span time_{0};
-  std::optional<std::uint8_t> lying_product_;  // wrong, of packets that belong to the model
+  std::optional<std::uint8_t> wrong_product_;  // of packets that are of the model although they name this one
 };
 
 }  // namespace lidard::velodyne

@@ -105,7 +105,7 @@ TEST_P(EveryDriver, StampsNoFrameBeyondTheArrivalOfItsLastPacket) {
   using Bend = std::function<Stamp(Stamp arrival, std::size_t packet)>;
   const Bend bends[] = {
       [](Stamp at, std::size_t) { return at; },
-      // The host's clock is set to and fro; the network delays by up to 40 ms.
+      // The host's clock is set forth and back by an hour; the network delays by up to 40 ms.
       [](Stamp at, std::size_t i) { return at + std::chrono::hours(i / 40 % 2); },
       [](Stamp at, std::size_t i) { return at + std::chrono::milliseconds(i * 7919 % 41); }};
   for (const Bend& bend : bends) {

@@ -20,15 +20,15 @@ namespace {
 using velodyne::blocks_per_packet;
 
 /// Sorted by protocol; what is for none of ours (a client's requests) is left out.
-void take_apart(const std::string& path, std::vector<Grist>& all) {
-  std::map<std::string_view, Grist> parts;
+void take_apart(const std::string& path, std::vector<ProtocolPackets>& all) {
+  std::map<std::string_view, ProtocolPackets> parts;
   PcapSource source(path);
   Packet packet;
   while (source.next(packet)) {
     const auto model = std::find_if(models().begin(), models().end(),
                                     [&packet](const Model& m) { return is_for(m, packet); });
     if (model == models().end()) continue;
-    Grist& part = parts[model->protocol];
+    ProtocolPackets& part = parts[model->protocol];
     part.protocol = model->protocol;
     part.packets.push_back({{packet.payload.begin(), packet.payload.end()}, packet});
     part.packets.back().head.payload = ByteView();
@@ -36,23 +36,23 @@ void take_apart(const std::string& path, std::vector<Grist>& all) {
   for (auto& [protocol, part] : parts) all.push_back(std::move(part));
 }
 
-std::vector<Grist> read_all() {
+std::vector<ProtocolPackets> read_all() {
   std::vector<std::string> paths;
   for (const auto& entry : std::filesystem::directory_iterator(project_file("pcaps"))) {
     if (entry.path().extension() == ".pcap") paths.push_back(entry.path().string());
   }
   std::sort(paths.begin(), paths.end());  // the order must not depend on the disk
-  std::vector<Grist> all;
+  std::vector<ProtocolPackets> all;
   for (const std::string& path : paths) take_apart(path, all);
   return all;
 }
 
 /// Devices at one port are all tried with each other's packets; the two protocols of Compact telegrams are
 /// one.
-bool is_fit(const Grist& grist, const Model& model) {
+bool is_fit(const ProtocolPackets& parts, const Model& model) {
   const auto first_word = [](std::string_view text) { return text.substr(0, text.find(' ')); };
-  return first_word(grist.protocol) == first_word(model.protocol) ||
-         (model.vendor == "Hokuyo" && grist.packets.front().head.from.port == model.port);
+  return first_word(parts.protocol) == first_word(model.protocol) ||
+         (model.vendor == "Hokuyo" && parts.packets.front().head.from.port == model.port);
 }
 
 void put(std::vector<std::uint8_t>& bytes, std::size_t at, std::uint64_t value, std::size_t size) {
@@ -62,17 +62,17 @@ void put(std::vector<std::uint8_t>& bytes, std::size_t at, std::uint64_t value, 
 
 }  // namespace
 
-const std::vector<Grist>& all_grist() {
-  static const std::vector<Grist> all = read_all();
+const std::vector<ProtocolPackets>& all_parts() {
+  static const std::vector<ProtocolPackets> all = read_all();
   return all;
 }
 
 PacketMill::PacketMill(const Model& model, std::uint64_t seed) : model_(model), rng_(seed) {
-  std::vector<const Grist*> fit;
-  for (const Grist& grist : all_grist()) {
-    if (is_fit(grist, model)) fit.push_back(&grist);
+  std::vector<const ProtocolPackets*> fit;
+  for (const ProtocolPackets& parts : all_parts()) {
+    if (is_fit(parts, model)) fit.push_back(&parts);
   }
-  if (fit.empty()) fit.push_back(&all_grist().front());
+  if (fit.empty()) fit.push_back(&all_parts().front());
   main_ = fit[below(fit.size())];
   other_ = fit[below(fit.size())];
   // Most streams have few kinds of trouble, some a lot of one.
@@ -83,8 +83,8 @@ PacketMill::PacketMill(const Model& model, std::uint64_t seed) : model_(model), 
 const OwnPacket& PacketMill::choose() {
   const std::size_t size = main_->packets.size();
   if (is_due(foreign)) {
-    const Grist& grist = all_grist()[below(all_grist().size())];
-    return grist.packets[below(grist.packets.size())];
+    const ProtocolPackets& parts = all_parts()[below(all_parts().size())];
+    return parts.packets[below(parts.packets.size())];
   }
   if (is_due(neighbour)) return other_->packets[below(other_->packets.size())];
   if (is_due(old)) return main_->packets[(at_ + size - below(std::min<std::size_t>(size, 20))) % size];

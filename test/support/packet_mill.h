@@ -20,13 +20,13 @@ struct OwnPacket {
 };
 
 /// The packets that one capture holds for the devices of one protocol.
-struct Grist {
+struct ProtocolPackets {
   std::string_view protocol;
   std::vector<OwnPacket> packets;
 };
 
 /// All captures of pcaps/, taken apart.
-const std::vector<Grist>& all_grist();
+const std::vector<ProtocolPackets>& all_parts();
 
 /// An endless stream for one device as bad days make it out of the shipped captures: bursts of loss, repeats,
 /// old packets, other sensors' and foreign ones, cut and damaged bytes with right checksums or wrong ones,
@@ -51,8 +51,8 @@ class PacketMill {
   const Model& model_;
   sim::Rng rng_;
   std::array<double, tricks> chance_{};
-  const Grist* main_ = nullptr;
-  const Grist* other_ = nullptr;
+  const ProtocolPackets* main_ = nullptr;
+  const ProtocolPackets* other_ = nullptr;
   std::size_t at_ = 0;
   std::uint64_t rounds_ = 0;
   std::uint32_t scrambled_us_ = 0;
