@@ -16,22 +16,6 @@ bool same_values(Keys (*keys)(Section&), Section a, Section b) {
   return KeyValue(shown_values(keys(a))) == KeyValue(shown_values(keys(b)));
 }
 
-void add_merged(const MergedScanConfig& merged, std::vector<OutputTopic>& topics) {
-  topics.push_back({merged.scan_destination_topic, TopicKind::scan});
-  if (!merged.status_topic.empty()) topics.push_back({merged.status_topic, TopicKind::scan});
-  for (const auto& also : merged.also) topics.push_back({also.topic, TopicKind::scan});
-  if (!merged.cloud_destination_topic.empty())
-    topics.push_back({merged.cloud_destination_topic, TopicKind::cloud});
-}
-
-void add_virtual(const VirtualScanConfig& group, std::vector<OutputTopic>& topics) {
-  for (const auto& frame : group.virtual_laser_scan) {
-    topics.push_back({group.topic(frame), TopicKind::scan});
-    for (const auto& also : group.also) topics.push_back({group.topic(frame, &also), TopicKind::scan});
-    if (!group.output_laser_topic.empty()) break;
-  }
-}
-
 }  // namespace
 
 const SensorConfig* Config::find_sensor(const std::string& name) const {
@@ -87,14 +71,16 @@ std::vector<StaticTransform> fixed_poses(const Config& config) {
 
 std::vector<OutputTopic> output_topics(const Config& config) {
   std::vector<OutputTopic> topics;
-  for (const auto& sensor : config.sensors) {
-    for (auto& topic : sensor_topics(sensor)) topics.push_back(std::move(topic));
-  }
-  for (const auto& merged : config.merged_scans) add_merged(merged, topics);
-  for (const auto& merged : config.merged_clouds)
-    topics.push_back({merged.destination_topic, TopicKind::merged_cloud});
-  for (const auto& group : config.virtual_scans) add_virtual(group, topics);
-  for (std::size_t id = 0; id < topics.size(); ++id) topics[id].id = id;
+  const auto add = [&](const std::vector<OutputTopic>& of_entry) {
+    for (const OutputTopic& topic : of_entry) {
+      topics.push_back(topic);
+      topics.back().id = topics.size() - 1;
+    }
+  };
+  for (const SensorConfig& sensor : config.sensors) add(sensor_topics(sensor));
+  for (const MergedScanConfig& merged : config.merged_scans) add(merged.topics());
+  for (const MergedCloudConfig& merged : config.merged_clouds) add(merged.topics());
+  for (const VirtualScanConfig& group : config.virtual_scans) add(group.topics());
   return topics;
 }
 

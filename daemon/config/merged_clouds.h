@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "daemon/config/schedule.h"
+#include "daemon/config/topic.h"
 
 namespace lidard {
 
@@ -21,6 +22,8 @@ struct MergedCloudConfig {
   bool organized = false;                ///< a row per ring, else a list
   ScheduleSettings schedule;
   MissingMotion on_missing_motion = MissingMotion::stand;
+
+  std::vector<OutputTopic> topics() const { return {{destination_topic, TopicKind::merged_cloud}}; }
 };
 
 Keys merged_cloud_keys(MergedCloudConfig& merged);

@@ -168,6 +168,14 @@ Merged read_merged(const std::string& name, const Value& entry, Reading& reading
 
 bool MergedScanConfig::has_visibility() const { return knows_free_space(output, also); }
 
+std::vector<OutputTopic> MergedScanConfig::topics() const {
+  std::vector<OutputTopic> topics{{scan_destination_topic, TopicKind::scan}};
+  if (!status_topic.empty()) topics.push_back({status_topic, TopicKind::scan});
+  for (const AlsoScanConfig& one : also) topics.push_back({one.topic, TopicKind::scan});
+  if (!cloud_destination_topic.empty()) topics.push_back({cloud_destination_topic, TopicKind::cloud});
+  return topics;
+}
+
 SourceSettings MergedScanConfig::common_settings() const {
   SourceSettings common;
   common.noise = range_noise;

@@ -36,6 +36,7 @@ struct MergedScanConfig {
 
   /// True if some scan of this merge is more than points.
   bool has_visibility() const;
+  std::vector<OutputTopic> topics() const;
   /// The settings of a source without an entry in source_settings.
   SourceSettings common_settings() const;
 };

@@ -9,6 +9,7 @@
 #include "core/base/angle.h"
 #include "core/evidence/placed_scan.h"
 #include "core/frames/scan_grid.h"
+#include "daemon/config/topic.h"
 #include "drivers/key.h"
 
 namespace lidard {

@@ -191,6 +191,16 @@ Virtual default_virtual_scan() {
 
 bool VirtualScanConfig::has_visibility() const { return knows_free_space(output, also); }
 
+std::vector<OutputTopic> VirtualScanConfig::topics() const {
+  std::vector<OutputTopic> topics;
+  for (const std::string& frame : virtual_laser_scan) {
+    topics.push_back({topic(frame), TopicKind::scan});
+    for (const AlsoScanConfig& one : also) topics.push_back({topic(frame, &one), TopicKind::scan});
+    if (!output_laser_topic.empty()) break;
+  }
+  return topics;
+}
+
 std::string VirtualScanConfig::topic(const std::string& frame, const AlsoScanConfig* further) const {
   const std::string own = output_laser_topic.empty() ? frame : output_laser_topic;
   return further == nullptr ? own : own + "/" + further->topic;

@@ -28,6 +28,7 @@ struct VirtualScanConfig {
   bool has_visibility() const;
   /// Topic of a frame's scan, or of one of its further scans.
   std::string topic(const std::string& frame, const AlsoScanConfig* further = nullptr) const;
+  std::vector<OutputTopic> topics() const;
 };
 
 /// What holds for a virtual scan before its keys are read.

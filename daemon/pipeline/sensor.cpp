@@ -3,6 +3,7 @@
 #include "daemon/pipeline/sensor.h"
 
 #include <algorithm>
+#include <stdexcept>
 #include <utility>
 
 #include "daemon/pipeline/log.h"
@@ -48,14 +49,26 @@ Sensor::Sensor(const SensorConfig& config, std::size_t index, const PipelineCont
   if (config.ring_scan) ring_scan_.emplace(*config.ring_scan);
   for (const OutputTopic& topic : sensor_topics(config_)) {
     Route& route = context.router.topic(topic.name);
-    if (!topic.from.empty())
+    if (!topic.from.empty()) {
       device_topics_.emplace_back(topic.from, &route);
-    else if (topic.kind == TopicKind::message)
-      raw_.emplace(config_, route);
-    else if (topic.kind == TopicKind::scan || topic.kind == TopicKind::cloud)
-      (topic_ == nullptr ? topic_ : ring_topic_) = &route;
-    else
-      more_scan_topics_.push_back(&route);
+      continue;
+    }
+    switch (topic.kind) {
+      case TopicKind::scan:
+      case TopicKind::cloud:
+        (topic_ == nullptr ? topic_ : ring_topic_) = &route;
+        break;
+      case TopicKind::echoes:
+      case TopicKind::extended_scan:
+        more_scan_topics_.push_back(&route);
+        break;
+      case TopicKind::message:
+        raw_.emplace(config_, route);
+        break;
+      case TopicKind::output_paths:  // comes from the device
+      case TopicKind::merged_cloud:
+        throw std::logic_error("no sensor has what travels on " + topic.name);
+    }
   }
   if (CloudPlacer::is_wanted(config)) placer_.emplace(config_, arranger_, context, *topic_);
 }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <type_traits>
 #include <variant>
 #include <vector>
 
@@ -31,6 +32,14 @@ struct Frame : std::variant<const PlanarScan*, Cloud*, MergedCloud*, const Devic
   /// The time of a replay.
   Frame(const Stamp& now) : variant(&now) {}
 
+  /// What it is; throws std::bad_variant_access if it is something else.
+  template <class Content>
+  const Content& of() const {
+    if constexpr (std::is_constructible_v<DeviceMessage, Content>)
+      return std::get<Content>(*std::get<const DeviceMessage*>(*this));
+    else
+      return *std::get<const Content*>(*this);
+  }
   /// nullptr, as below: it is something else.
   const PlanarScan* scan() const { return as<const PlanarScan>(); }
   Cloud* cloud() const { return as<Cloud>(); }

@@ -7,47 +7,14 @@
 
 #include <algorithm>
 #include <cstring>
-#include <iterator>
 #include <memory>
 #include <stdexcept>
 
-#include "daemon/ros/messages/convert.h"
 #include "daemon/ros/messages/device_messages.h"
 #include "daemon/ros/sick/safety_messages.h"
 #include "daemon/ros/velodyne/velodyne_scan.h"
 
 namespace lidard {
-namespace {
-
-template <class Content>
-constexpr bool is_device_message = std::is_constructible_v<DeviceMessage, Content>;
-
-template <class Content>
-auto& content_in(const Frame& frame) {
-  if constexpr (is_device_message<Content>)
-    return std::get<Content>(*std::get<const DeviceMessage*>(frame));
-  else
-    return *std::get<const Content*>(frame);
-}
-
-template <class Content, class Message>
-class MakerOf final : public MessageMaker {
- public:
-  const MessageType& type() const override { return type_of<Message>(); }
-  RawMessage make(const Frame& frame, Stamp released, const ClockStep& clock) override {
-    auto& content = content_in<Content>(frame);
-    if constexpr (std::is_same_v<Content, std::vector<StaticTransform>>)
-      to_ros(content, clock.host(released), message_);
-    else if constexpr (std::is_same_v<Content, Stamp>)
-      message_.clock = to_ros(clock.host(content));
-    else
-      to_ros(content, clock.host(content.stamp), message_);
-    return raw(message_);
-  }
-
- private:
-  Message message_;
-};
 
 /// Makes the message of a cloud, which has up to 15 MB, around its points.
 template <class AnyCloud>
@@ -105,38 +72,25 @@ class MakerOf<AnyCloud, sensor_msgs::PointCloud2> final : public MessageMaker {
   std::vector<std::shared_ptr<PointBytes>> buffers_;  // of messages that are on their way, and free ones
 };
 
-template <class Content, class Message>
-std::unique_ptr<MessageMaker> make_maker() {
-  return std::make_unique<MakerOf<Content, Message>>();
-}
+namespace {
 
-template <class Content, class Message>
-constexpr MessageRow row(TopicKind kind, std::size_t queue_depth) {
-  std::size_t message = 0;
-  if constexpr (is_device_message<Content>) message = message_kind<Content>();
-  return {kind, message, queue_depth, make_maker<Content, Message>};
+std::vector<MessageRow> frame_rows() {
+  return {row<PlanarScan, sensor_msgs::LaserScan>(TopicKind::scan, 100),
+          row<PlanarScan, sensor_msgs::MultiEchoLaserScan>(TopicKind::echoes, 100),
+          row<Cloud, sensor_msgs::PointCloud2>(TopicKind::cloud, 2),
+          row<MergedCloud, sensor_msgs::PointCloud2>(TopicKind::merged_cloud, 2)};
 }
-
-constexpr MessageRow rows[]{row<PlanarScan, sensor_msgs::LaserScan>(TopicKind::scan, 100),
-                            row<PlanarScan, sensor_msgs::MultiEchoLaserScan>(TopicKind::echoes, 100),
-                            row<PlanarScan, ExtendedScanMessage>(TopicKind::extended_scan, 100),
-                            row<Cloud, sensor_msgs::PointCloud2>(TopicKind::cloud, 2),
-                            row<MergedCloud, sensor_msgs::PointCloud2>(TopicKind::merged_cloud, 2),
-                            row<DeviceState, OutputPathsMessage>(TopicKind::output_paths, 100),
-                            row<GnssFix, sensor_msgs::NavSatFix>(TopicKind::message, 2),
-                            row<TimeReference, sensor_msgs::TimeReference>(TopicKind::message, 2),
-                            row<ImuSample, sensor_msgs::Imu>(TopicKind::message, 50),
-                            row<DeviceState, diagnostic_msgs::DiagnosticArray>(TopicKind::message, 2),
-                            row<RawPackets, VelodyneScanMessage>(TopicKind::message, 2)};
 
 }  // namespace
 
 const MessageRow& row_of(const OutputTopic& topic) {
-  const auto* const found = std::find_if(std::begin(rows), std::end(rows), [&](const MessageRow& one) {
-    return one.kind == topic.kind && (one.kind != TopicKind::message || one.message == topic.message);
-  });
-  if (found == std::end(rows)) throw std::logic_error("no row for what travels on " + topic.name);
-  return *found;
+  static const std::vector<MessageRow> tables[]{frame_rows(), device_rows(), safety_rows(), velodyne_rows()};
+  for (const auto& rows : tables) {
+    for (const MessageRow& one : rows)
+      if (one.kind == topic.kind && (one.kind != TopicKind::message || one.message == topic.message))
+        return one;
+  }
+  throw std::logic_error("no row for what travels on " + topic.name);
 }
 
 std::unique_ptr<MessageMaker> transforms_maker() {

@@ -9,7 +9,7 @@
 
 #include "core/frames/device_message.h"
 #include "core/frames/scan.h"
-#include "daemon/ros/messages/raw_message.h"
+#include "daemon/ros/messages/message_row.h"
 
 namespace lidard {
 
@@ -50,5 +50,9 @@ struct ExtendedScanMessage : CarriedMessage {
 void to_ros(const DeviceState& state, HostStamp at, OutputPathsMessage& message);
 /// A scan of a safety scanner with the flags of its beams.
 void to_ros(const PlanarScan& scan, HostStamp at, ExtendedScanMessage& message);
+inline std::vector<MessageRow> safety_rows() {
+  return {row<PlanarScan, ExtendedScanMessage>(TopicKind::extended_scan, 100),
+          row<DeviceState, OutputPathsMessage>(TopicKind::output_paths, 100)};
+}
 
 }  // namespace lidard

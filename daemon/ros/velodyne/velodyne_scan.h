@@ -11,7 +11,7 @@
 #include "core/base/bytes.h"
 #include "core/base/time.h"
 #include "core/frames/device_message.h"
-#include "daemon/ros/messages/raw_message.h"
+#include "daemon/ros/messages/message_row.h"
 
 namespace lidard {
 
@@ -38,5 +38,6 @@ const char* read_velodyne_scan(ByteView message, const OnPacket& on_packet);
 
 /// The packets of a Velodyne as a message.
 void to_ros(const RawPackets& packets, HostStamp at, VelodyneScanMessage& message);
+inline std::vector<MessageRow> velodyne_rows() { return {row<RawPackets, VelodyneScanMessage>(2)}; }
 
 }  // namespace lidard
