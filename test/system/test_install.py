@@ -158,6 +158,7 @@ class Installation(unittest.TestCase):
         self.assertLessEqual({"run", "replay", "snapshot", "discover", "status"}, offered("", "lidard"))
         self.assertLessEqual({"--pcap", "--loop", "--bag", "--config"}, offered("--", "lidard", "replay"))
         self.assertIn("velodyne_vlp16", offered("", "lidard", "decode", "--model"))
+        self.assertEqual({"height", "intensity"}, offered("", "lidard", "snapshot", "--color"))
 
     def test_a_configuration_that_was_edited_stays(self):
         other = self.folder / "other"

@@ -34,7 +34,7 @@ def commands():
 
 
 def options(text):
-    return set(re.findall(r"(?<![\w-])--[a-z]+", text))
+    return set(re.findall(r"(?<![\w-])--[a-z][a-z-]*", text))
 
 
 def page_sections(text):
@@ -42,6 +42,13 @@ def page_sections(text):
     body = text.split("\nCOMMANDS\n", 1)[1].split("\nCONFIGURATION\n", 1)[0]
     parts = re.split(r"^ {7}([a-z]+)(?= |$)", body, flags=re.MULTILINE)
     return dict(zip(parts[1::2], parts[2::2]))
+
+
+def completed(*words):
+    """What bash offers for the last word of a line of `lidard`."""
+    script = 'source "$1"; shift; COMP_WORDS=(lidard "$@"); COMP_CWORD=$#; _lidard lidard "${!#}" "${COMP_WORDS[-2]}"; printf "%s\\n" "${COMPREPLY[@]}"'
+    path = f"{pathlib.Path(LIDARD).parent}:{os.environ['PATH']}"
+    return set(output("bash", "-c", script, "bash", str(ROOT / "daemon/completion.bash"), *words, PATH=path)[1].split())
 
 
 def main():
@@ -57,15 +64,16 @@ def main():
     listed = set(re.findall(r"[a-z]+", " ".join(synopsis[:2])))
     assert set(known) <= listed, f"the synopsis lacks {set(known) - listed}"
     general = options(text.split("\nCOMMANDS\n", 1)[0])
-    completion = (ROOT / "daemon/completion.bash").read_text()
+    assert set(known) <= completed(""), f"completion lacks {set(known) - completed('')}"
+    assert completed("decode", "--calibration-model", "") == {"ros_drivers", "exact", "veloview"}
+    assert "velodyne_vlp16" in completed("decode", "--model", "")
     for command in known:
         real = options(help_of(command))
         missing = real - options(described[command]) - general
         invented = options(described[command]) - real
         assert not missing and not invented, f"{command}: page lacks {missing}, invents {invented}"
-        assert re.search(rf'"[^"]*\b{command}\b', completion), f"completion lacks {command}"
-        unknown = real - options(completion)
-        assert not unknown, f"{command}: completion lacks {unknown}"
+        offered = completed(command, "--")
+        assert offered == real, f"{command}: completion lacks {real - offered}, invents {offered - real}"
     code, _, warnings = output("man", "--warnings", "-l", str(CONFIGURATION), LC_ALL="C.UTF-8", MANPAGER="cat")
     assert code == 0 and not warnings, f"man: exit {code}, {warnings}"
     for part in ("RELOAD", "SIGNALS", "ENVIRONMENT", "FILES", "TROUBLESHOOTING", "REAL TIME"):
