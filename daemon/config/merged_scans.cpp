@@ -45,11 +45,10 @@ void read_one_source(const Value& entry, SourceSettings& settings) {
 /// Reads `source_settings:`. Without return a beam proves free space as far as its sensor detects dark
 /// targets, unless the file says otherwise.
 void read_source_settings(const Mapping& yaml, const SourceList& list, Merged& merged) {
-  const SourceSettings common = merged.common_settings();
   const auto& sources = merged.laserscan_topics;
   for (const Source& source : list.sources) {
     if (source.free_range > 0 && merged.has_visibility())
-      merged.source_settings.emplace(source.name, common).first->second.no_return_free_range =
+      merged.source_settings.emplace(source.name, merged.source).first->second.no_return_free_range =
           source.free_range;
   }
   const auto section = yaml.find("source_settings");
@@ -62,7 +61,7 @@ void read_source_settings(const Mapping& yaml, const SourceList& list, Merged& m
     const std::string& source = sources[index % sources.size()];
     if (!set_up.insert(source).second)
       entry.fail_at_key("is " + source + ", which has settings already", "one entry for each source");
-    read_one_source(entry, merged.source_settings.emplace(source, common).first->second);
+    read_one_source(entry, merged.source_settings.emplace(source, merged.source).first->second);
   });
 }
 
@@ -84,7 +83,7 @@ void read_free_requires(const Mapping& yaml, const SourceList& list, Merged& mer
   for (const std::string& source : list.names) {
     const auto& required = merged.free_requires;
     if (std::find(required.begin(), required.end(), source) != required.end()) continue;
-    merged.source_settings.emplace(source, merged.common_settings()).first->second.proves_free = false;
+    merged.source_settings.emplace(source, merged.source).first->second.proves_free = false;
   }
 }
 
@@ -176,14 +175,6 @@ std::vector<OutputTopic> MergedScanConfig::topics() const {
   return topics;
 }
 
-SourceSettings MergedScanConfig::common_settings() const {
-  SourceSettings common;
-  common.noise = range_noise;
-  common.echoes = echoes;
-  common.veil_filter = veil_filter;
-  return common;
-}
-
 Keys source_keys(SourceSettings& settings) {
   using namespace keys;
   return {{"range_min", settings.range_min, number(0, farthest_m, "m"), "nearer returns are left out"},
@@ -221,15 +212,15 @@ Keys merged_keys(Merged& merged) {
        {{"source_settings", shown_settings(merged.source_settings), special("{SOURCE: {range_max: 8, …}}"),
          "windows and properties of single sources, by their name"}},
        output_keys(merged.output),
-       {{"echoes", merged.echoes,
+       {{"echoes", merged.source.echoes,
          word({{"first", EchoChoice::first},
                {"last", EchoChoice::last},
                {"strongest", EchoChoice::strongest},
                {"all", EchoChoice::all}}),
          "which echo of a beam counts"},
-        {"veil_filter", merged.veil_filter, flag,
+        {"veil_filter", merged.source.veil_filter, flag,
          "leaves out mixed pixels: returns between two surfaces where no surface is"},
-        {"range_noise", merged.range_noise, number(0.0005, 1, "m"), "one standard deviation of the ranges"},
+        {"range_noise", merged.source.noise, number(0.0005, 1, "m"), "one standard deviation of the ranges"},
         {"free_required", KeyValue(required), number(least_required_m, farthest_m, "m"),
          "what must be observed for a beam to be free", preset("range_max")},
         {"free_requires", merged.free_requires, special("names of its sources"),

@@ -27,9 +27,7 @@ struct MergedScanConfig {
   std::string status_topic;  ///< what is known of each beam, as a LaserScan; empty: none
   OutputScanConfig output;
   std::vector<AlsoScanConfig> also;
-  EchoChoice echoes = EchoChoice::last;
-  bool veil_filter = true;
-  double range_noise = 0.02;  ///< m, one standard deviation of the sources' ranges
+  SourceSettings source;                                  ///< of a source without an entry in source_settings
   std::map<std::string, SourceSettings> source_settings;  ///< of sources that differ from the rest, by name
   double free_required = 0;                ///< m that a beam must be observed to be free; 0: range_max
   std::vector<std::string> free_requires;  ///< sources of which one must see a free beam's way; empty: any
@@ -37,8 +35,10 @@ struct MergedScanConfig {
   /// True if some scan of this merge is more than points.
   bool has_visibility() const;
   std::vector<OutputTopic> topics() const;
-  /// The settings of a source without an entry in source_settings.
-  SourceSettings common_settings() const;
+  const SourceSettings& settings_of(const std::string& source_name) const {
+    const auto own = source_settings.find(source_name);
+    return own == source_settings.end() ? source : own->second;
+  }
 };
 
 Keys merged_keys(MergedScanConfig& merged);

@@ -137,9 +137,8 @@ class Forecast {
     double proven = 0;
     for (const std::string& source : merged.laserscan_topics) {
       const SensorConfig* sensor = config_.find_sensor(source);
-      const auto set = merged.source_settings.find(source);
-      const SourceSettings own = set == merged.source_settings.end() ? SourceSettings() : set->second;
-      proven = std::max(proven, proven_by(sensor, merged.destination_frame, own.no_return_free_range));
+      const double free_range = merged.settings_of(source).no_return_free_range;
+      proven = std::max(proven, proven_by(sensor, merged.destination_frame, free_range));
     }
     question_reach(entry, merged, proven, merged.free_required);
     check_merged(entry, merged, merged.laserscan_topics, !config_.vehicle.footprint.empty());

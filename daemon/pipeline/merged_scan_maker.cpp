@@ -17,13 +17,10 @@ MergeSettings settings_of(const MergedScanConfig& config) {
   settings.points = config.output.profile == Profile::flatten || !config.cloud_destination_topic.empty();
   for (const AlsoScanConfig& also : config.also) settings.points |= also.profile == Profile::flatten;
   settings.visibility = config.has_visibility() || !config.status_topic.empty();
-  settings.source = config.common_settings();
-  settings.how.noise = config.range_noise;
+  settings.source = config.source;
+  settings.how.noise = config.source.noise;
   settings.how.free_required = config.free_required;
-  for (const std::string& name : config.laserscan_topics) {
-    const auto own = config.source_settings.find(name);
-    settings.each.push_back(own == config.source_settings.end() ? settings.source : own->second);
-  }
+  for (const std::string& name : config.laserscan_topics) settings.each.push_back(config.settings_of(name));
   return settings;
 }
 

@@ -117,9 +117,9 @@ TEST(MergedScanConfig, ReadsTheProfileAndWhatItNeeds) {
   EXPECT_EQ(m.output.profile, Profile::strict);
   EXPECT_EQ(m.output.unobserved, EmptyBeam::minus_inf);
   EXPECT_EQ(m.output.empty, EmptyBeam::zero);
-  EXPECT_EQ(m.echoes, EchoChoice::all);
-  EXPECT_FALSE(m.veil_filter);
-  EXPECT_EQ(m.range_noise, 0.03);
+  EXPECT_EQ(m.source.echoes, EchoChoice::all);
+  EXPECT_FALSE(m.source.veil_filter);
+  EXPECT_EQ(m.source.noise, 0.03);
   EXPECT_EQ(m.free_required, 28);
   ASSERT_EQ(m.also.size(), 2U);
   EXPECT_EQ(m.also[0].topic, "safe");

@@ -293,7 +293,7 @@ TEST(Import, FiltersAreAMergedScanOfTheSensorAlone) {
   const Config config = parsed(imported);
   ASSERT_EQ(config.merged_scans.size(), 2U);
   EXPECT_EQ(config.merged_scans[0].scan_destination_topic, "/clean");
-  EXPECT_TRUE(config.merged_scans[0].veil_filter);
+  EXPECT_TRUE(config.merged_scans[0].source.veil_filter);
   EXPECT_THAT(config.merged_scans[0].laserscan_topics, ElementsAre("left"));
   EXPECT_THAT(config.merged_scans[1].laserscan_topics, ElementsAre("left", "right"));
   EXPECT_EQ(config.vehicle.footprint.size(), 4U);

@@ -100,7 +100,7 @@ TEST(LaserMerger, KnowsKeysOfOurOwnConfiguration) {
   EXPECT_EQ(merged.output.empty, EmptyBeam::inf);
   EXPECT_EQ(merged.output.unobserved, EmptyBeam::minus_inf);
   EXPECT_EQ(merged.schedule.lost_after, std::chrono::milliseconds(200));
-  EXPECT_EQ(merged.echoes, EchoChoice::first);
+  EXPECT_EQ(merged.source.echoes, EchoChoice::first);
   EXPECT_EQ(merged.output.min_height, 0.05);
 }
 
