@@ -50,8 +50,6 @@ Sensor::Sensor(const SensorConfig& config, std::size_t index, const PipelineCont
     Route& route = context.router.topic(topic.name);
     if (!topic.from.empty())
       device_topics_.emplace_back(topic.from, &route);
-    else if (topic.kind == TopicKind::message)
-      raw_.emplace(config_, route);
     else if (topic.kind == TopicKind::scan || topic.kind == TopicKind::cloud)
       (topic_ == nullptr ? topic_ : ring_topic_) = &route;
     else
@@ -74,7 +72,6 @@ void Sensor::receive(const Packet& packet, Stamp received) {
   const bool datagram = packet.transport == Transport::udp;
   if (datagram && std::exchange(sender_, packet.from.address) != packet.from.address)
     devices_ = watch_for_two(config_);
-  if (raw_) raw_->add(packet, context_.now);
   const Verdict verdict = driver_->receive(packet, *this);
   if (verdict.reject != Reject::none && datagram) other_model_.refused(packet, verdict.reject);
   if (datagram) devices_.observe(verdict.device, received);
@@ -140,7 +137,6 @@ bool Sensor::wants_cloud() {
 }
 
 void Sensor::cloud(Cloud& cloud) {
-  if (raw_) raw_->publish(context_.now);
   watch_.cloud(cloud);
   const bool has_points = cloud_wanted_ ? *cloud_wanted_ : wants_cloud();
   cloud_wanted_.reset();
@@ -256,13 +252,11 @@ bool Sensor::silence_changed(Stamp now) {
 
 void Sensor::finish() {
   if (driver_ != nullptr) driver_->finish(*this);
-  if (raw_) raw_->publish(context_.now);
   if (placer_) placer_->finish(context_.now);
 }
 
 void Sensor::restart() {
   if (driver_ != nullptr) driver_->restart();
-  if (raw_) raw_->clear();
   connection_.restart();
   watch_.restart();
 }
