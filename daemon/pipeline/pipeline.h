@@ -9,36 +9,12 @@
 #include <string>
 #include <vector>
 
+#include "core/base/start_watch.h"
 #include "daemon/pipeline/maker.h"
 #include "daemon/pipeline/messages.h"
 #include "daemon/pipeline/sensor.h"
 
 namespace lidard {
-
-/// Detects the first second after a start, in which silence is no fault. A jump of the clock, a pause of the
-/// program and a hole in a capture count as starts.
-class StartWatch {
- public:
-  /// Time passes. True if this is a beginning.
-  bool step(Stamp at) {
-    const Span passed = at - newest_;
-    newest_ = at;
-    if (started_ && passed >= -patience && passed <= patience) return false;
-    started_ = true;
-    since_ = at;
-    return true;
-  }
-  /// `begun`: when the entry was added by a reload.
-  bool is_starting(Stamp at, Stamp begun) const {
-    return !started_ || at - since_ < patience || (at >= begun && at - begun < patience);
-  }
-
- private:
-  static constexpr Span patience = std::chrono::seconds(1);
-  bool started_ = false;
-  Stamp since_{};
-  Stamp newest_{};
-};
 
 /// Packets and messages in; frames, merged and virtual scans out. The same object serves live input and
 /// replay; it has no thread and no clock: time is what the arrivals and tick() say.
