@@ -32,7 +32,7 @@ class Pipeline final : public MessageReceiver {
   /// What gets the scans of Config::Elsewhere::merged.
   void set_forward(Forward forward) { router_.set_forward(std::move(forward)); }
   /// The configured transforms, for /tf_static.
-  const std::vector<StaticTransform>& static_transforms() const { return frames_.transforms(); }
+  const std::vector<StaticTransform>& static_transforms() const { return frames_.fixed(); }
 
   /// A datagram, or a chunk of a connection in a capture; finds the sensor it belongs to by port and sender.
   void packet(const Packet& packet);
