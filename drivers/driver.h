@@ -17,6 +17,7 @@
 #include "core/base/device_clock.h"
 #include "core/base/time.h"
 #include "core/frames/cloud.h"
+#include "core/frames/cloud_layout.h"
 #include "core/frames/device_message.h"
 #include "core/frames/scan.h"
 #include "drivers/address.h"
@@ -65,7 +66,7 @@ class FrameReceiver {
   /// Called when a cloud begins. False: the cloud has no consumer, and a few of its columns are enough for
   /// diagnostics.
   virtual bool wants_cloud() { return true; }
-  /// A message of the device beside its frames; its topic is one of Model::messages.
+  /// A message of the device beside its frames; its topic is one of Model::messages, or RawPackets::topic.
   virtual void message(const DeviceMessage& /*message*/) {}
   /// A further scan of the device (such as intrusion data); `topic` is one of Model::extra_scans.
   virtual void extra_scan(std::string_view /*topic*/, PlanarScan& /*scan*/) {}
@@ -191,6 +192,8 @@ struct DriverConfig {
   double view_width = two_pi;  ///< rad: width of that sector
   bool keep_partial = false;   ///< hand on first, last and torn frames too
   bool keep_origins = false;   ///< fill Cloud::origins
+  /// Hand on the packets of each revolution too, with the stamp of this one (Velodynes); unset: not.
+  std::optional<FrameStamp> raw_packets;
   /// rad: keep only the beams from angle_min counter-clockwise to angle_max (planar scanners, REP 138).
   std::optional<double> angle_min, angle_max;
   bool publish_intensity = true;

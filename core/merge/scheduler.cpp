@@ -35,7 +35,7 @@ const char* to_string(SourceState state) {
 }
 
 Scheduler::Scheduler(std::size_t sources, const ScheduleSettings& settings)
-    : settings_(settings), sources_(sources), usable_(sources, 0) {}
+    : settings_(settings), sources_(sources), usable_(sources, 0), outputs_without_(sources, 0) {}
 
 void Scheduler::reset() {
   sources_.assign(sources_.size(), {});
@@ -96,6 +96,13 @@ SourceState Scheduler::state(std::size_t index, Stamp now) const {
   if (!source.seen) return SourceState::never;
   if (now > lost_after(source)) return SourceState::lost;
   return now > wait_end(source) ? SourceState::stale : SourceState::ok;
+}
+
+SourceState Scheduler::lasting_state(std::size_t index, Stamp now) const {
+  constexpr unsigned many_outputs = 10;
+  const SourceState is = state(index, now);
+  if (is == SourceState::never || is == SourceState::lost) return is;
+  return outputs_without_[index] < many_outputs ? SourceState::ok : SourceState::stale;
 }
 
 Stamp Scheduler::next_arrival(const Source& source) {
@@ -205,12 +212,13 @@ const std::vector<char>& Scheduler::usable(Stamp now) {
   return usable_;
 }
 
-void Scheduler::done(Stamp now) {
+void Scheduler::done(Stamp now, bool is_left_out) {
   bool in_vain = false;
   for (std::size_t s = 0; s < sources_.size(); ++s) {
     const SourceState is = state(s, now);
     sources_[s].fresh = sources_[s].back = false;
     sources_[s].used = is == SourceState::ok;
+    if (!is_left_out) outputs_without_[s] = sources_[s].used ? 0 : outputs_without_[s] + 1;
     in_vain = in_vain || is == SourceState::stale;
   }
   if (in_vain) ++deadlines_missed_;

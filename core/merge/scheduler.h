@@ -44,12 +44,15 @@ class Scheduler {
   std::optional<Stamp> next_event() const;
   /// The sources to use in an output that is made now, one flag per source.
   const std::vector<char>& usable(Stamp now);
-  /// Reports that the output was made.
-  void done(Stamp now);
+  /// Reports that the output was made, or that it was left out.
+  void done(Stamp now, bool is_left_out = false);
   /// Resets all state (the input starts again).
   void reset();
 
   SourceState state(std::size_t source, Stamp now) const;
+  /// The same, but stale only after ten outputs without the source: a busy computer makes sweeps stale now
+  /// and then for milliseconds.
+  SourceState lasting_state(std::size_t source, Stamp now) const;
   /// Measured s between sweeps of the source; 0: not known yet.
   double period(std::size_t source) const { return sources_[source].period; }
   /// Age of the last ray of the source's newest sweep.
@@ -97,9 +100,10 @@ class Scheduler {
   ScheduleSettings settings_;
   std::vector<Source> sources_;
   std::vector<char> usable_;
-  std::optional<Stamp> first_;      // arrival of the first sweep of any source
-  std::optional<Stamp> now_;        // the newest time
-  std::optional<Stamp> next_tick_;  // of policy `rate`
+  std::vector<unsigned> outputs_without_;  // since the last one with the source
+  std::optional<Stamp> first_;             // arrival of the first sweep of any source
+  std::optional<Stamp> now_;               // the newest time
+  std::optional<Stamp> next_tick_;         // of policy `rate`
   std::uint64_t deadlines_missed_ = 0;
   std::uint64_t restarts_ = 0;
 };

@@ -6,6 +6,7 @@
 
 #include "core/evidence/beam_rays.h"
 #include "daemon/commands/calibrate.h"
+#include "daemon/offline/no_transforms.h"
 #include "daemon/offline/player.h"
 #include "daemon/ros/in/bag_topics.h"
 #include "daemon/ros/in/tf_poses.h"

@@ -21,8 +21,8 @@
 #include "daemon/live/sensor_loop.h"
 #include "daemon/live/service.h"
 #include "daemon/live/thread_priority.h"
+#include "daemon/log/log.h"
 #include "daemon/offline/remarks.h"
-#include "daemon/pipeline/log.h"
 #include "daemon/ros/master/environment.h"
 #include "daemon/ros/session.h"
 

@@ -150,7 +150,7 @@ SnapshotView view_of(const SnapshotOptions& options, const Scene& scene) {
   FrameKeeper frames;
   const double at = play(options.at, length, scene, capture, *motion, frames);
   if (frames.empty()) throw std::runtime_error(nothing_there(scene, options.captures, at, length));
-  const FrameTree poses(scene.config, *motion);
+  const FrameTree poses(scene.config.vehicle.base_frame, fixed_poses(scene.config), *motion);
   const bool intensities = options.color == "intensity";
   SnapshotView view = make_view(scene.config, poses, frames, {options.areas, options.only, intensities});
   if (std::all_of(view.layers.begin(), view.layers.end(), [](const auto& l) { return l.points.empty(); }))

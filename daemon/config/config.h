@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/motion/frame_tree.h"
 #include "daemon/config/black_box.h"
 #include "daemon/config/merged_clouds.h"
 #include "daemon/config/merged_scans.h"
@@ -16,13 +17,6 @@
 #include "drivers/config_error.h"
 
 namespace lidard {
-
-/// A fixed transform for /tf_static.
-struct StaticTransform {
-  std::string parent;
-  std::string child;
-  Pose pose;  ///< of child in parent
-};
 
 /// The whole configuration, complete and validated.
 struct Config {
@@ -61,7 +55,7 @@ bool operator==(const MergedScanConfig& a, const MergedScanConfig& b);
 bool operator==(const MergedCloudConfig& a, const MergedCloudConfig& b);
 bool operator==(const VirtualScanConfig& a, const VirtualScanConfig& b);
 
-/// The poses that a configuration fixes, each frame once.
+/// The poses that a configuration fixes, each frame once, for /tf_static too.
 std::vector<StaticTransform> fixed_poses(const Config& config);
 
 /// Everything that the configuration may publish on. At run time a topic travels as its entry of this list.

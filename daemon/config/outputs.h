@@ -8,6 +8,7 @@
 
 #include "core/base/angle.h"
 #include "core/evidence/placed_scan.h"
+#include "core/frames/empty_beam.h"
 #include "core/frames/scan_grid.h"
 #include "daemon/config/topic.h"
 #include "drivers/key.h"
@@ -18,9 +19,6 @@ class Mapping;
 struct Reading;
 struct Source;
 
-/// What stands in a beam of the output where nothing was seen.
-enum class EmptyBeam : std::uint8_t { inf, nan, range_max_plus_one, minus_inf, zero };
-
 /// Keys that merged and virtual scans share.
 struct OutputScanConfig {
   Profile profile = Profile::flatten;
@@ -29,6 +27,11 @@ struct OutputScanConfig {
   EmptyBeam unobserved = EmptyBeam::nan;  ///< not known
   std::optional<double> min_height,
       max_height;  ///< m, in the output frame; unset: the default of the kind of output
+
+  HeightBand heights() const {
+    const HeightBand all;
+    return {min_height.value_or(all.min), max_height.value_or(all.max)};
+  }
 };
 
 /// One more scan of the same merge: `also:` of an entry of `merged_scans:`.

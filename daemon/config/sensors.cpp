@@ -230,6 +230,7 @@ void check_device(const Mapping& yaml, SensorConfig& sensor, Reading& reading, M
 void check_sensor(const Mapping& yaml, SensorConfig& sensor, Reading& reading) {
   Mistakes mistakes;
   sensor.driver.frame_id = sensor.frame_id;
+  if (!sensor.raw_topic.empty()) sensor.driver.raw_packets = sensor.layout.stamp;
   mistakes.attempt([&] { claim_pose(yaml, sensor, reading); });
   if (sensor.model != nullptr) check_device(yaml, sensor, reading, mistakes);
   mistakes.attempt([&] { claim_topics(yaml, sensor, reading); });
@@ -369,7 +370,8 @@ std::vector<OutputTopic> sensor_topics(const SensorConfig& sensor) {
   if (sensor.model->has(Trait::echoes) && sensor.driver.publish_multiecho)
     topics.push_back({sensor.name + "/echoes", TopicKind::echoes});
   if (!sensor.raw_topic.empty())
-    topics.push_back({sensor.raw_topic, TopicKind::message, true, message_kind<RawPackets>()});
+    topics.push_back(
+        {sensor.raw_topic, TopicKind::message, true, message_kind<RawPackets>(), 0, RawPackets::topic});
   if (!sensor.extended_scan_topic.empty())
     topics.push_back({sensor.extended_scan_topic, TopicKind::extended_scan});
   if (!sensor.output_paths_topic.empty())

@@ -11,7 +11,7 @@
 #include "daemon/config/config.h"
 #include "daemon/dropin/dropin.h"
 #include "daemon/live/runtime_socket.h"
-#include "daemon/pipeline/log.h"
+#include "daemon/log/log.h"
 #include "daemon/ros/master/environment.h"
 
 namespace lidard {

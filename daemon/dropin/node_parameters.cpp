@@ -7,7 +7,7 @@
 
 #include "daemon/config/config.h"
 #include "daemon/dropin/dropin.h"
-#include "daemon/pipeline/log.h"
+#include "daemon/log/log.h"
 #include "daemon/ros/master/environment.h"
 #include "daemon/ros/master/master_client.h"
 

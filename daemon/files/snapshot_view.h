@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/motion/frame_tree.h"
 #include "daemon/config/config.h"
-#include "daemon/pipeline/frame_tree.h"
 #include "daemon/pipeline/sink.h"
 
 namespace lidard {

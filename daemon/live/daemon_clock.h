@@ -10,7 +10,7 @@
 
 #include "core/base/host_clock.h"
 #include "daemon/health/sentences.h"
-#include "daemon/pipeline/log.h"
+#include "daemon/log/log.h"
 #include "daemon/pipeline/sink.h"
 #include "drivers/driver.h"
 #include "drivers/net/wall_clock.h"

@@ -12,7 +12,7 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "daemon/pipeline/log.h"
+#include "daemon/log/log.h"
 
 namespace lidard {
 

@@ -8,7 +8,7 @@
 
 #include "daemon/health/reception_verdict.h"
 #include "daemon/health/sentences.h"
-#include "daemon/pipeline/log.h"
+#include "daemon/log/log.h"
 
 namespace lidard {
 namespace {

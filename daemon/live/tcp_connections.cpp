@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "daemon/health/sentences.h"
-#include "daemon/pipeline/log.h"
+#include "daemon/log/log.h"
 
 namespace lidard {
 namespace {

@@ -200,7 +200,8 @@ const Model& usual_model(FrameKind kind) {
   return *find_model(kind == FrameKind::scan ? "sick_tim7xx" : "velodyne_vlp16");
 }
 
-EmptyField::EmptyField(const Config& config, Limit holds) : config_(config), poses_(config, no_tf_) {
+EmptyField::EmptyField(const Config& config, Limit holds)
+    : config_(config), poses_(config.vehicle.base_frame, fixed_poses(config), no_tf_) {
   simplify(config_);
   free_from_limits(holds, config_);
   for (SensorConfig& sensor : config_.sensors) {

@@ -9,6 +9,7 @@
 
 #include "daemon/config/config.h"
 #include "daemon/files/snapshot_view.h"
+#include "daemon/offline/no_transforms.h"
 
 namespace lidard {
 

@@ -9,7 +9,7 @@
 
 #include "core/base/angle.h"
 #include "core/base/number_text.h"
-#include "daemon/pipeline/frame_tree.h"
+#include "daemon/offline/no_transforms.h"
 #include "daemon/yaml/yaml.h"
 
 namespace lidard {
@@ -26,7 +26,7 @@ class Forecast {
       : config_(config),
         root_(parse_yaml(config.text, config.file)),
         sights_(sights),
-        poses_(config, no_tf_) {}
+        poses_(config.vehicle.base_frame, fixed_poses(config), no_tf_) {}
 
   /// Each sentence begins with `file:line:column`.
   std::vector<std::string> all() {

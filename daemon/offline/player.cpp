@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "core/base/number_text.h"
+#include "daemon/log/log.h"
 #include "daemon/offline/progress.h"
-#include "daemon/pipeline/log.h"
 #include "drivers/capture/tcp_reassembler.h"
 #include "drivers/net/wall_clock.h"
 

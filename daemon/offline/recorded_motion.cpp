@@ -12,6 +12,8 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "daemon/offline/no_transforms.h"
+
 namespace lidard {
 
 std::vector<Stamp> history_stamps(Stamp newest, Stamp after, Stamp until) {

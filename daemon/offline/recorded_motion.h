@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "core/motion/frame_tree.h"
 #include "core/motion/pose_track.h"
-#include "daemon/pipeline/frame_tree.h"
 #include "daemon/pipeline/messages.h"
 
 namespace lidard {

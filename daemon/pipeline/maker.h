@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "core/frames/scan_grid.h"
 #include "daemon/config/config.h"
 #include "daemon/pipeline/context.h"
 #include "daemon/pipeline/status.h"
@@ -71,18 +70,13 @@ inline bool advances(Stamp instant, Stamp last) {
   return instant > last + std::chrono::microseconds(1) || last - instant >= restart_limit;
 }
 
-/// The grid of a specification that the configuration has accepted.
-ScanGrid grid_of(const ScanGridSpec& spec);
-HeightBand band_of(const OutputScanConfig& config);
-/// What a message holds for `beam` of an output.
-float value_of(EmptyBeam beam, const OutputScanConfig& config);
 /// Makes the scans of an entry, its own and those of `also:`, and lists them with their profiles.
 template <class Wanted>
 void make_scans(const OutputScanConfig& own, const std::vector<AlsoScanConfig>& also,
                 std::vector<PlanarScan>& scans, std::vector<Wanted>& wanted) {
   scans.assign(1 + also.size(), PlanarScan());
-  scans[0].none_as = value_of(own.empty, own);
-  scans[0].invalid_as = value_of(own.unobserved, own);
+  scans[0].none_as = value_of(own.empty, own.grid.range_max);
+  scans[0].invalid_as = value_of(own.unobserved, own.grid.range_max);
   wanted = {{own.profile, &scans[0]}};
   for (std::size_t i = 0; i < also.size(); ++i) wanted.push_back({also[i].profile, &scans[i + 1]});
 }

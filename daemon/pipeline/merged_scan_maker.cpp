@@ -91,7 +91,7 @@ class MergedScanMaker final : public MergingMaker {
  private:
   /// Makes what depends on the grid and the profiles.
   void set_up() {
-    merger_.emplace(grid_of(config_.output.grid), band_of(config_.output), sources.size(),
+    merger_.emplace(make_grid(config_.output.grid).value(), config_.output.heights(), sources.size(),
                     settings_of(config_));
     footprint_pose_.reset();
     make_scans(config_.output, config_.also, scans_, merged_);

@@ -22,8 +22,7 @@ MergingMaker::MergingMaker(MakerId made, std::vector<std::string> made_of, Setti
       settings_(std::move(settings)),
       scheduler_(sources.size(), settings_.schedule),
       times_(sources.size()),
-      reported_(sources.size(), SourceState::never),
-      merges_without_(sources.size()) {
+      reported_(sources.size(), SourceState::never) {
   const ScheduleSettings& schedule = settings_.schedule;
   if (schedule.policy == Policy::rate)
     counters_.most_silence = std::max(counters_.most_silence, 1.5 / schedule.rate);
@@ -67,7 +66,7 @@ std::optional<MergeMoment> MergingMaker::due(Stamp now) {
     return moment;
   }
   gate_.left_out();
-  scheduler_.done(now);
+  not_published(now);
   return std::nullopt;
 }
 
@@ -119,13 +118,6 @@ void MergingMaker::published(const MergeReport& report, Stamp now) {
   gate_.published(context_.motion.track() == nullptr || !stands);
 }
 
-void MergingMaker::skipped(Stamp now) {
-  const std::vector<char>& use = scheduler_.usable(now);
-  for (std::size_t s = 0; s < use.size(); ++s) merges_without_[s] = use[s] != 0 ? 0 : merges_without_[s] + 1;
-  scheduler_.done(now);
-  count_published(now);
-}
-
 void MergingMaker::forget() {
   times_.assign(times_.size(), std::nullopt);
   due_since_.reset();
@@ -146,19 +138,10 @@ std::optional<Stamp> MergingMaker::next_event() const {
   return event ? std::min(*event, given_up) : given_up;
 }
 
-/// A busy computer makes sweeps stale now and then for milliseconds: a source counts as stale after ten
-/// outputs without it.
-SourceState MergingMaker::reported_state(std::size_t source, Stamp now) const {
-  constexpr unsigned many_merges = 10;
-  const SourceState state = scheduler_.state(source, now);
-  if (state == SourceState::never || state == SourceState::lost) return state;
-  return merges_without_[source] < many_merges ? SourceState::ok : SourceState::stale;
-}
-
 bool MergingMaker::states_changed(Stamp now) {
   bool changed = false;
   for (std::size_t s = 0; s < reported_.size(); ++s) {
-    const SourceState state = reported_state(s, now);
+    const SourceState state = scheduler_.lasting_state(s, now);
     changed = std::exchange(reported_[s], state) != state || changed;
   }
   return changed;

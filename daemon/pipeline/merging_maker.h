@@ -41,8 +41,11 @@ class MergingMaker : public Maker {
   const std::vector<char>& usable(Stamp now) { return scheduler_.usable(now); }
   /// The merge was made; it was not, since nobody wants it; or since its pose is not known.
   void published(const MergeReport& report, Stamp now);
-  void skipped(Stamp now);
-  void not_published(Stamp now) { scheduler_.done(now); }
+  void skipped(Stamp now) {
+    scheduler_.done(now);
+    count_published(now);
+  }
+  void not_published(Stamp now) { scheduler_.done(now, true); }
   /// The frames are no longer there: nothing is due until all sources that are well have delivered again.
   void forget();
   /// What became of the sources in the last merge.
@@ -51,7 +54,6 @@ class MergingMaker : public Maker {
  private:
   std::optional<MergeMoment> due(Stamp now);
   bool lacks_frames(Stamp now) const;
-  SourceState reported_state(std::size_t source, Stamp now) const;
   MergeMoment moment_of(Stamp now);
   bool has_poses(const MergeMoment& moment, Stamp now);
 
@@ -59,7 +61,6 @@ class MergingMaker : public Maker {
   Scheduler scheduler_;
   std::vector<std::optional<SweepTimes>> times_;  // of the newest frame of each source
   std::vector<SourceState> reported_;
-  std::vector<unsigned> merges_without_;  // since the last one with the source
   std::vector<SourceUse> uses_;
   Stamp last_instant_{};
   Span apart_{0};  // between the sources of the newest merge

@@ -13,7 +13,7 @@ constexpr Span report_period = std::chrono::seconds(1);
 
 Pipeline::Pipeline(const Config& config, TransformSource& transforms, FrameSink& sink)
     : vehicle_(config.vehicle),
-      frames_(config, transforms),
+      frames_(config.vehicle.base_frame, fixed_poses(config), transforms),
       motion_(vehicle_, transforms, frames_),
       router_(sink) {
   configure(config);
@@ -26,7 +26,7 @@ void Pipeline::configure(const Config& config) {
   const bool is_other_vehicle = !(vehicle_ == config.vehicle);
   if (is_other_vehicle) makers.clear();
   vehicle_ = config.vehicle;
-  frames_.configure(config);
+  frames_.configure(config.vehicle.base_frame, fixed_poses(config));
   if (is_other_vehicle) motion_.restart();  // poses in another frame do not continue those before
   router_.configure(config);
   flows_ = {};

@@ -9,36 +9,12 @@
 #include <string>
 #include <vector>
 
+#include "core/base/start_watch.h"
 #include "daemon/pipeline/maker.h"
 #include "daemon/pipeline/messages.h"
 #include "daemon/pipeline/sensor.h"
 
 namespace lidard {
-
-/// Detects the first second after a start, in which silence is no fault. A jump of the clock, a pause of the
-/// program and a hole in a capture count as starts.
-class StartWatch {
- public:
-  /// Time passes. True if this is a beginning.
-  bool step(Stamp at) {
-    const Span passed = at - newest_;
-    newest_ = at;
-    if (started_ && passed >= -patience && passed <= patience) return false;
-    started_ = true;
-    since_ = at;
-    return true;
-  }
-  /// `begun`: when the entry was added by a reload.
-  bool is_starting(Stamp at, Stamp begun) const {
-    return !started_ || at - since_ < patience || (at >= begun && at - begun < patience);
-  }
-
- private:
-  static constexpr Span patience = std::chrono::seconds(1);
-  bool started_ = false;
-  Stamp since_{};
-  Stamp newest_{};
-};
 
 /// Packets and messages in; frames, merged and virtual scans out. The same object serves live input and
 /// replay; it has no thread and no clock: time is what the arrivals and tick() say.
@@ -56,7 +32,7 @@ class Pipeline final : public MessageReceiver {
   /// What gets the scans of Config::Elsewhere::merged.
   void set_forward(Forward forward) { router_.set_forward(std::move(forward)); }
   /// The configured transforms, for /tf_static.
-  const std::vector<StaticTransform>& static_transforms() const { return frames_.transforms(); }
+  const std::vector<StaticTransform>& static_transforms() const { return frames_.fixed(); }
 
   /// A datagram, or a chunk of a connection in a capture; finds the sensor it belongs to by port and sender.
   void packet(const Packet& packet);

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "daemon/pipeline/log.h"
+#include "daemon/log/log.h"
 
 namespace lidard {
 namespace {
@@ -63,9 +63,7 @@ Sensor::Sensor(const SensorConfig& config, std::size_t index, const PipelineCont
         more_scan_topics_.push_back(&route);
         break;
       case TopicKind::message:
-        raw_.emplace(config_, route);
-        break;
-      case TopicKind::output_paths:  // comes from the device
+      case TopicKind::output_paths:
       case TopicKind::merged_cloud:
         throw std::logic_error("no sensor has what travels on " + topic.name);
     }
@@ -87,7 +85,6 @@ void Sensor::receive(const Packet& packet, Stamp received) {
   const bool datagram = packet.transport == Transport::udp;
   if (datagram && std::exchange(sender_, packet.from.address) != packet.from.address)
     devices_ = watch_for_two(config_);
-  if (raw_) raw_->add(packet, context_.now);
   const Verdict verdict = driver_->receive(packet, *this);
   if (verdict.reject != Reject::none && datagram) other_model_.refused(packet, verdict.reject);
   if (datagram) devices_.observe(verdict.device, received);
@@ -153,7 +150,6 @@ bool Sensor::wants_cloud() {
 }
 
 void Sensor::cloud(Cloud& cloud) {
-  if (raw_) raw_->publish(context_.now);
   watch_.cloud(cloud);
   const bool has_points = cloud_wanted_ ? *cloud_wanted_ : wants_cloud();
   cloud_wanted_.reset();
@@ -269,13 +265,11 @@ bool Sensor::silence_changed(Stamp now) {
 
 void Sensor::finish() {
   if (driver_ != nullptr) driver_->finish(*this);
-  if (raw_) raw_->publish(context_.now);
   if (placer_) placer_->finish(context_.now);
 }
 
 void Sensor::restart() {
   if (driver_ != nullptr) driver_->restart();
-  if (raw_) raw_->clear();
   connection_.restart();
   watch_.restart();
 }

@@ -17,7 +17,7 @@
 #include "daemon/config/config.h"
 #include "daemon/pipeline/cloud_placer.h"
 #include "daemon/pipeline/context.h"
-#include "daemon/pipeline/raw_packets.h"
+#include "daemon/pipeline/router.h"
 #include "daemon/pipeline/status.h"
 #include "drivers/capture/pcap_source.h"
 #include "drivers/reception.h"
@@ -126,7 +126,6 @@ class Sensor final : public FrameReceiver {
   std::optional<CloudPlacer> placer_;
   std::optional<RingScan> ring_scan_;
   PlanarScan ring_, reversed_;
-  std::optional<RawPacketCollector> raw_;
   Route* topic_ = nullptr;                                          // of its frames; nullptr, as below: none
   Route* ring_topic_ = nullptr;                                     // of the ring that is a scan
   std::vector<Route*> more_scan_topics_;                            // of its scans in other messages

@@ -88,7 +88,7 @@ struct MakerCounters {
 struct SourceStatus {
   std::string name;
   SourceState state = SourceState::never;
-  SourceState lasting = SourceState::never;  ///< stale only after ten outputs without the source
+  SourceState lasting = SourceState::never;  ///< Scheduler::lasting_state()
   double period_s = 0, age_s = 0;
   double late_s = 0;  ///< by which it misses the deadline
 };

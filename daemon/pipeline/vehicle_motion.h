@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "core/base/topic_clock.h"
+#include "core/motion/frame_tree.h"
 #include "core/motion/pose_track.h"
 #include "daemon/config/config.h"
-#include "daemon/pipeline/frame_tree.h"
 #include "daemon/pipeline/status.h"
 
 namespace lidard {

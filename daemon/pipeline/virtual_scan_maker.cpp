@@ -70,7 +70,7 @@ class VirtualScanMaker final : public Maker {
   void set_up() {
     const VehicleConfig& vehicle = context_.vehicle;
     needs_vehicle_ = config_.has_visibility() || !vehicle.footprint.empty() || vehicle.has_motion();
-    virtualizer_.emplace(grid_of(config_.output.grid), band_of(config_.output),
+    virtualizer_.emplace(make_grid(config_.output.grid).value(), config_.output.heights(),
                          config_.virtual_laser_scan.size(), settings_of(config_), cloud_poses_.size());
     virtualizer_->set_footprint(Footprint(vehicle.footprint));
     make_scans(config_.output, config_.also, scans_, cut_);

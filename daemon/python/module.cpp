@@ -8,10 +8,10 @@
 #include <sstream>
 
 #include "daemon/files/json_text.h"
+#include "daemon/log/log.h"
 #include "daemon/offline/forecast.h"
 #include "daemon/offline/remarks.h"
 #include "daemon/offline/survey_json.h"
-#include "daemon/pipeline/log.h"
 #include "daemon/python/capture_reader.h"
 #include "daemon/python/replay_reader.h"
 #include "daemon/yaml/yaml.h"

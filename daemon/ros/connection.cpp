@@ -14,7 +14,7 @@
 
 #include "daemon/health/sentences.h"
 #include "daemon/live/thread_priority.h"
-#include "daemon/pipeline/log.h"
+#include "daemon/log/log.h"
 #include "daemon/ros/master/master_client.h"
 #include "daemon/ros/messages/convert.h"
 #include "drivers/net/wall_clock.h"

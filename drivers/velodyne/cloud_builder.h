@@ -11,6 +11,7 @@
 #include "core/frames/revolution.h"
 #include "drivers/driver.h"
 #include "drivers/velodyne/calibration.h"
+#include "drivers/velodyne/raw_packets.h"
 #include "drivers/velodyne/unpacker.h"
 
 namespace lidard::velodyne {
@@ -18,10 +19,11 @@ namespace lidard::velodyne {
 /// Collects firing sequences into frames and publishes them.
 class CloudBuilder {
  public:
-  /// `config` is the driver's; change() is applied to it.
-  CloudBuilder(DriverConfig& config, const ModelRow& row, Counters& counters)
+  /// `config` is the driver's; change() is applied to it. `raw`: handed on before the cloud of its packets.
+  CloudBuilder(DriverConfig& config, const ModelRow& row, RawPacketCollector& raw, Counters& counters)
       : config_(config),
         row_(row),
+        raw_(raw),
         counters_(counters),
         unpacker_(row, config.keep_origins, config.min_range, config.max_range, own_calibration(config)),
         cutter_(config.cut_angle * deg_per_rad),
@@ -176,11 +178,13 @@ class CloudBuilder {
     cloud_.points_bytes.resize(points_ * sizeof(CloudPoint));
     if (!is_thin_ && cloud_.complete) last_bytes_ = cloud_.points_bytes.size();
     ++counters_.frames;
+    raw_.publish(out);
     out.cloud(cloud_);
   }
 
   DriverConfig& config_;
   const ModelRow& row_;
+  RawPacketCollector& raw_;
   Counters& counters_;
   Unpacker unpacker_;
   RevolutionCutter cutter_;

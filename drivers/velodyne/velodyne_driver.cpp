@@ -11,6 +11,7 @@
 #include "drivers/velodyne/models.h"
 #include "drivers/velodyne/packet.h"
 #include "drivers/velodyne/packet_order.h"
+#include "drivers/velodyne/raw_packets.h"
 #include "drivers/velodyne/telemetry.h"
 #include "drivers/velodyne/timing.h"
 #include "drivers/velodyne/two_streams.h"
@@ -32,7 +33,8 @@ class VelodyneDriver final : public DriverBase {
         order_(row_, counters_),
         arrival_stamps_(row_),
         timing_(row_),
-        frames_(config_, row_, counters_),
+        raw_(config),
+        frames_(config_, row_, raw_, counters_),
         clock_(config.clock),
         telemetry_(config) {
     if (row_.bank_by_bank && config.calibration == nullptr) {
@@ -43,11 +45,13 @@ class VelodyneDriver final : public DriverBase {
   }
 
   void change(const DriverConfig& wanted) override {
+    raw_.set_time_offset(wanted.time_offset);
     frames_.change(wanted);
     telemetry_.set_time_offset(wanted.time_offset);
   }
 
   Verdict receive(const Packet& packet, FrameReceiver& out) override {
+    raw_.add(packet, out);
     if (packet.transport == Transport::tcp) {
       if (web_) web_->receive(packet, out), note_dialogue();
       return {};
@@ -82,12 +86,14 @@ class VelodyneDriver final : public DriverBase {
     order_.flush([&](const OrderedPacket& p, Span time) { accept(p, time, out); });
     decode_pending(std::nullopt, out);
     frames_.cut_off(out);
+    raw_.publish(out);
     describe_status();
   }
   void restart() override {
     order_.reset();
     arrival_stamps_.reset();
     status_.restart();
+    raw_.clear();
     frames_.reset();
     clock_.reset();
     telemetry_.restart();
@@ -306,6 +312,7 @@ class VelodyneDriver final : public DriverBase {
   std::string other_product_;
   ArrivalStamps arrival_stamps_;
   TimingChooser timing_;
+  RawPacketCollector raw_;
   CloudBuilder frames_;
   DeviceClock clock_;
   TelemetryReceiver telemetry_;

@@ -7,8 +7,8 @@
 #include <string>
 #include <utility>
 
+#include "core/motion/frame_tree.h"
 #include "daemon/health/pipeline_health.h"
-#include "daemon/pipeline/frame_tree.h"
 #include "test/sim/world/units.h"
 #include "test/support/recording_sink.h"
 

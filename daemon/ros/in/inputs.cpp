@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "daemon/health/sentences.h"
-#include "daemon/pipeline/log.h"
+#include "daemon/log/log.h"
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/ros/master/master_client.h"
 #include "daemon/ros/messages/convert.h"

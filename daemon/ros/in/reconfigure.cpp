@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "daemon/health/sentences.h"
-#include "daemon/pipeline/log.h"
+#include "daemon/log/log.h"
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/ros/in/component.h"
 #include "daemon/ros/in/output_items.h"

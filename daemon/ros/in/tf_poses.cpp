@@ -9,7 +9,7 @@
 #include <stdexcept>
 
 #include "daemon/health/sentences.h"
-#include "daemon/pipeline/log.h"
+#include "daemon/log/log.h"
 #include "daemon/ros/messages/bags_module.h"
 #include "daemon/ros/messages/convert.h"
 

@@ -10,7 +10,7 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "daemon/pipeline/log.h"
+#include "daemon/log/log.h"
 #include "daemon/ros/master/xmlrpc.h"
 #include "drivers/net/host_network.h"
 

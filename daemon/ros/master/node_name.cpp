@@ -14,7 +14,7 @@
 #include <utility>
 
 #include "daemon/live/runtime_socket.h"
-#include "daemon/pipeline/log.h"
+#include "daemon/log/log.h"
 
 namespace lidard {
 namespace {

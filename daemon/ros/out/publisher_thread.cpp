@@ -11,7 +11,7 @@
 
 #include "daemon/health/topic_health.h"
 #include "daemon/live/wait_until.h"
-#include "daemon/pipeline/log.h"
+#include "daemon/log/log.h"
 #include "drivers/net/wall_clock.h"
 
 namespace lidard {

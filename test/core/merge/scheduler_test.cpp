@@ -85,6 +85,37 @@ TEST(Scheduler, SourceThatLagsByMoreThanItsPeriodIsNotUpToDate) {
   EXPECT_EQ(yard.scheduler.state(1, test::origin + ms(2000)), SourceState::stale);
 }
 
+TEST(Scheduler, SourceIsStaleForLongAfterTenOutputsWithoutIt) {
+  Scheduler scheduler(2, {});
+  Stamp now = test::origin;
+  const auto make_output = [&](bool with_second, bool is_left_out) {
+    now = now + ms(20);
+    for (const std::size_t s : {0U, 1U})
+      if (s == 0 || with_second) scheduler.delivered(s, now, 0.02, now);
+    scheduler.done(now, is_left_out);
+  };
+  const auto lasting = [&] { return scheduler.lasting_state(1, now); };
+  EXPECT_EQ(lasting(), SourceState::never);
+  for (int i = 0; i < 20; ++i) make_output(true, false);
+  make_output(false, false);
+  ASSERT_EQ(scheduler.state(1, now), SourceState::ok) << "not yet overdue";
+  for (int i = 0; i < 9; ++i) {
+    make_output(false, false);
+    ASSERT_EQ(scheduler.state(1, now), SourceState::stale);
+    EXPECT_EQ(lasting(), SourceState::ok) << i;
+  }
+  make_output(false, true);
+  EXPECT_EQ(lasting(), SourceState::ok) << "what is left out does not count";
+  make_output(false, false);
+  EXPECT_EQ(lasting(), SourceState::stale);
+  scheduler.delivered(1, now, 0.02, now);
+  EXPECT_EQ(lasting(), SourceState::stale) << "it is in no output yet";
+  make_output(true, false);
+  EXPECT_EQ(lasting(), SourceState::ok);
+  now = now + ms(401);
+  EXPECT_EQ(lasting(), SourceState::lost);
+}
+
 TEST(Scheduler, SlowSourceIsNotLostBetweenItsSweeps) {
   Scheduler scheduler(1, {});
   scheduler.delivered(0, test::origin, 1, test::origin);

@@ -9,8 +9,8 @@
 #include <sstream>
 
 #include "daemon/commands/commands.h"
+#include "daemon/offline/no_transforms.h"
 #include "daemon/offline/player.h"
-#include "daemon/pipeline/frame_tree.h"
 #include "test/daemon/pipeline/line_driver.h"
 #include "test/drivers/capture/pcap_testing.h"
 #include "test/sim/devices/cola_telegram.h"

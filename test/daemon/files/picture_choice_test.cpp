@@ -4,7 +4,7 @@
 // Pictures of one output alone, and intensities as colours.
 #include <numeric>
 
-#include "daemon/pipeline/frame_tree.h"
+#include "daemon/offline/no_transforms.h"
 #include "daemon/pipeline/sink.h"
 #include "test/daemon/files/pictures_support.h"
 
@@ -31,7 +31,8 @@ SnapshotView view_of(const std::vector<BeamStatus>& statuses, const std::vector<
   FrameKeeper frames;
   frames.publish(frame_topic(config.sensors[0]), scan, Stamp{});
   NoTransforms no_tf;
-  SnapshotView view = make_view(config, FrameTree(config, no_tf), frames, {"", {}, by_intensity});
+  SnapshotView view = make_view(config, FrameTree(config.vehicle.base_frame, fixed_poses(config), no_tf),
+                                frames, {"", {}, by_intensity});
   view.framing = fit_to_points(view);
   fit_colors(view, by_intensity);
   return view;

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "daemon/files/snapshot_view.h"
+#include "daemon/offline/no_transforms.h"
 #include "daemon/pipeline/pipeline.h"
 #include "drivers/capture/pcap_source.h"
 #include "test/support/captures.h"
@@ -19,7 +20,7 @@ SnapshotView view_with(const std::string& keys) {
           keys + "}}",
       "f");
   NoTransforms poses;
-  FrameTree frames(config, poses);
+  FrameTree frames(config.vehicle.base_frame, fixed_poses(config), poses);
   FrameKeeper keeper;
   Pipeline pipeline(config, poses, keeper);
   PcapSource source(test::project_file("pcaps/demo.pcap"));

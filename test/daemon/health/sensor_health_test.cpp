@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "daemon/health/report.h"
+#include "daemon/offline/no_transforms.h"
 #include "daemon/pipeline/pipeline.h"
 #include "test/drivers/sick/safety/ms3_encoder.h"
 #include "test/support/pipeline_bench.h"

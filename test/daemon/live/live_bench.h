@@ -10,7 +10,7 @@
 #include "daemon/health/pipeline_health.h"
 #include "daemon/live/tcp_connections.h"
 #include "daemon/live/udp_ports.h"
-#include "daemon/pipeline/frame_tree.h"
+#include "daemon/offline/no_transforms.h"
 #include "daemon/pipeline/pipeline.h"
 #include "drivers/net/wall_clock.h"
 #include "test/daemon/pipeline/line_driver.h"

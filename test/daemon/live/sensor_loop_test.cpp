@@ -7,6 +7,7 @@
 #include <boost/asio/ip/udp.hpp>
 #include <thread>
 
+#include "daemon/offline/no_transforms.h"
 #include "test/daemon/pipeline/line_driver.h"
 #include "test/support/pipeline_bench.h"
 #include "test/support/ros_master.h"

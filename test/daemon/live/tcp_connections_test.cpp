@@ -9,10 +9,10 @@
 #include <filesystem>
 #include <fstream>
 
-#include "daemon/pipeline/frame_tree.h"
+#include "daemon/offline/no_transforms.h"
 #include "test/daemon/live/live_bench.h"
-#include "test/support/says.h"
 #include "test/support/ros_master.h"
+#include "test/support/says.h"
 #include "test/support/tcp_peer.h"
 #include "test/support/udp_peer.h"
 

@@ -8,8 +8,8 @@
 #include <limits>
 #include <map>
 
+#include "core/motion/frame_tree.h"
 #include "daemon/health/pipeline_health.h"
-#include "daemon/pipeline/frame_tree.h"
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/ros/messages/convert.h"
 #include "test/sim/world/units.h"

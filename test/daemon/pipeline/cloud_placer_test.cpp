@@ -203,7 +203,7 @@ TEST(CloudPlacer, NothingIsAllocatedPerCloudAfterWarmUp) {
       "pose: {xyz: [0, 0, 2]}, points_frame: base_link, deskew: true}}",
       "f");
   TrueWay way(ms(0));
-  FrameTree frames(config, way);
+  FrameTree frames(config.vehicle.base_frame, fixed_poses(config), way);
   VehicleMotion motion(config.vehicle, way, frames);
   CloudArranger arranger{CloudLayout()};
   struct Counting final : FrameSink {

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "daemon/health/pipeline_health.h"
-#include "daemon/pipeline/frame_tree.h"
+#include "daemon/offline/no_transforms.h"
 #include "daemon/pipeline/pipeline.h"
 #include "drivers/registry/registry.h"
 #include "test/daemon/pipeline/line_driver.h"

@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "daemon/health/pipeline_health.h"
+#include "daemon/offline/no_transforms.h"
 #include "daemon/pipeline/pipeline.h"
 #include "test/daemon/config/config_support.h"
 #include "test/sim/servers/velodyne_stream.h"

@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "daemon/offline/no_transforms.h"
 #include "drivers/capture/pcap_source.h"
 #include "test/sim/servers/scene_file.h"
 #include "test/sim/servers/simulate.h"

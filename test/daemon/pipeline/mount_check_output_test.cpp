@@ -6,7 +6,7 @@
 
 #include "core/base/angle.h"
 #include "daemon/health/pipeline_health.h"
-#include "daemon/pipeline/frame_tree.h"
+#include "daemon/offline/no_transforms.h"
 #include "daemon/pipeline/pipeline.h"
 #include "test/sim/world/flat_world.h"
 #include "test/support/recording_sink.h"

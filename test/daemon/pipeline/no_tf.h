@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "daemon/pipeline/frame_tree.h"
+#include "core/motion/frame_tree.h"
 #include "daemon/pipeline/pipeline.h"
 
 namespace lidard {

@@ -9,6 +9,7 @@
 
 #include "daemon/health/pipeline_health.h"
 #include "daemon/live/division.h"
+#include "daemon/offline/no_transforms.h"
 #include "daemon/pipeline/pipeline.h"
 #include "drivers/capture/pcap_source.h"
 #include "test/support/captures.h"

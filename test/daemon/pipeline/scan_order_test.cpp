@@ -6,8 +6,8 @@
 
 #include <cmath>
 
+#include "daemon/offline/no_transforms.h"
 #include "daemon/offline/player.h"
-#include "daemon/pipeline/frame_tree.h"
 #include "test/sim/servers/scene_file.h"
 #include "test/sim/servers/simulate.h"
 #include "test/support/captures.h"

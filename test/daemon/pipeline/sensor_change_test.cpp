@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "daemon/offline/no_transforms.h"
 #include "daemon/pipeline/pipeline.h"
 #include "test/sim/servers/velodyne_stream.h"
 #include "test/support/recording_sink.h"

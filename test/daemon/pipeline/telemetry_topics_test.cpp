@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "daemon/config/config.h"
-#include "daemon/pipeline/frame_tree.h"
+#include "daemon/offline/no_transforms.h"
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/ros/messages/device_messages.h"
 #include "drivers/registry/registry.h"

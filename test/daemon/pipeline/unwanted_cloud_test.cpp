@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "daemon/health/pipeline_health.h"
-#include "daemon/pipeline/frame_tree.h"
+#include "daemon/offline/no_transforms.h"
 #include "daemon/pipeline/pipeline.h"
 #include "test/sim/servers/velodyne_stream.h"
 

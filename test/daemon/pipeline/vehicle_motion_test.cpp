@@ -39,7 +39,7 @@ struct Watched {
   }
   VehicleConfig vehicle;
   test::KnownTransforms tf;
-  FrameTree frames{Config{}, tf};
+  FrameTree frames{"base_link", {}, tf};
   VehicleMotion motion{vehicle, tf, frames};
 };
 

@@ -9,7 +9,7 @@
 #include <tuple>
 
 #include "daemon/health/pipeline_health.h"
-#include "daemon/pipeline/frame_tree.h"
+#include "daemon/offline/no_transforms.h"
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/ros/messages/convert.h"
 #include "test/sim/servers/velodyne_stream.h"

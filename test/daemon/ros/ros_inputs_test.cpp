@@ -9,6 +9,7 @@
 #include <chrono>
 #include <thread>
 
+#include "daemon/offline/no_transforms.h"
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/ros/connection.h"
 #include "daemon/ros/in/inputs.h"

@@ -7,7 +7,7 @@
 #include <ros/ros.h>
 #include <std_msgs/Header.h>
 
-#include "daemon/pipeline/frame_tree.h"
+#include "daemon/offline/no_transforms.h"
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/ros/connection.h"
 #include "daemon/ros/in/inputs.h"

@@ -1,23 +1,20 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/pipeline/frame_tree.h"
+#include "core/motion/frame_tree.h"
 
 namespace lidard {
 
-FrameTree::FrameTree(const Config& config, TransformSource& lookup) : lookup_(lookup) { configure(config); }
-
-void FrameTree::configure(const Config& config) {
-  base_ = config.vehicle.base_frame;
-  transforms_ = fixed_poses(config);
+void FrameTree::configure(std::string base, std::vector<StaticTransform> fixed) {
+  base_ = std::move(base);
+  fixed_ = std::move(fixed);
   known_.clear();
-  for (const StaticTransform& one : transforms_)
-    known_.emplace(one.child, std::make_pair(one.parent, one.pose));
+  for (const StaticTransform& one : fixed_) known_.emplace(one.child, std::make_pair(one.parent, one.pose));
 }
 
 bool FrameTree::in_base(const std::string& frame, Stamp stamp, Pose& pose, std::string& why_not) const {
   pose = Pose::Identity();
   std::string at = frame;
-  // Configured poses form chains of at most two transforms (virtual frame, its base frame); longer ones come
+  // Fixed poses form chains of at most two transforms (virtual frame, its base frame); longer ones come
   // from tf.
   for (int length = 0; length < 4 && at != base_; ++length) {
     const auto entry = known_.find(at);

@@ -3,16 +3,21 @@
 #pragma once
 
 #include <map>
-#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/base/pose.h"
 #include "core/base/time.h"
-#include "daemon/config/config.h"
-#include "daemon/pipeline/sink.h"
 
 namespace lidard {
+
+/// A fixed transform.
+struct StaticTransform {
+  std::string parent;
+  std::string child;
+  Pose pose;  ///< of child in parent
+};
 
 /// A pose at a time.
 struct StampedPose {
@@ -20,7 +25,7 @@ struct StampedPose {
   Pose pose;
 };
 
-/// Source of poses that are not in the configuration (tf). Must not block.
+/// Source of poses that are not fixed (tf). Must not block.
 class TransformSource {
  public:
   virtual ~TransformSource() = default;
@@ -36,29 +41,22 @@ class TransformSource {
   }
 };
 
-/// The source without ROS: no transforms.
-class NoTransforms final : public TransformSource {
- public:
-  bool lookup(const std::string& parent, const std::string& child, Stamp, Pose&,
-              std::string& why_not) override {
-    why_not = "the pose of " + child + " in " + parent + " would come from tf, which needs ROS; configure it";
-    return false;
-  }
-};
-
-/// Poses of frames: configured poses first, so that a vehicle without a tf tree works and replay is
-/// deterministic; then tf.
+/// Poses of frames: fixed ones first, so that a vehicle without a tf tree works and replay is deterministic;
+/// then tf.
 class FrameTree {
  public:
-  FrameTree(const Config& config, TransformSource& lookup);
-  /// Replaces the configured poses.
-  void configure(const Config& config);
+  /// `lookup` must outlive this.
+  FrameTree(std::string base, std::vector<StaticTransform> fixed, TransformSource& lookup) : lookup_(lookup) {
+    configure(std::move(base), std::move(fixed));
+  }
+  /// Replaces the frame of the vehicle and the fixed poses; the first one of a frame counts.
+  void configure(std::string base, std::vector<StaticTransform> fixed);
 
   /// Pose of `child` in `parent` at `stamp`; false and the reason if it is unknown.
   bool find(const std::string& parent, const std::string& child, Stamp stamp, Pose& pose,
             std::string& why_not) const;
-  /// The configured transforms, for /tf_static.
-  const std::vector<StaticTransform>& transforms() const { return transforms_; }
+  /// The fixed poses, for /tf_static.
+  const std::vector<StaticTransform>& fixed() const { return fixed_; }
 
  private:
   bool in_base(const std::string& frame, Stamp stamp, Pose& pose, std::string& why_not) const;
@@ -66,7 +64,7 @@ class FrameTree {
   std::string base_;
   TransformSource& lookup_;
   std::map<std::string, std::pair<std::string, Pose>> known_;  // child: parent and pose in it
-  std::vector<StaticTransform> transforms_;
+  std::vector<StaticTransform> fixed_;
 };
 
 }  // namespace lidard

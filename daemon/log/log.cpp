@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/pipeline/log.h"
+#include "daemon/log/log.h"
 
 #include <spdlog/spdlog.h>
 

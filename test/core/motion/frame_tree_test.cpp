@@ -1,12 +1,10 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/pipeline/frame_tree.h"
+#include "core/motion/frame_tree.h"
 
 #include <gtest/gtest.h>
 
 #include <random>
-
-#include "test/support/pipeline_bench.h"
 
 namespace lidard {
 namespace {
@@ -17,45 +15,40 @@ Pose random_pose(std::mt19937& random) {
   return make_pose({place(random), place(random), place(random)}, {turn(random), turn(random), turn(random)});
 }
 
-SensorConfig sensor_at(const std::string& frame, const Pose& pose) {
-  SensorConfig sensor;
-  sensor.name = sensor.frame_id = frame;
-  sensor.pose = pose;
-  return sensor;
-}
+/// Knows the poses of frames in "base" that it is given, and how often it was asked.
+struct Tf final : TransformSource {
+  bool lookup(const std::string& parent, const std::string& child, Stamp, Pose& pose,
+              std::string& why_not) override {
+    ++asked;
+    const auto found = in_base.find(child);
+    const bool is_known = parent == "base" && found != in_base.end();
+    if (is_known) pose = found->second;
+    why_not = is_known ? "" : "no tf from " + child + " to " + parent;
+    return is_known;
+  }
+  std::map<std::string, Pose> in_base;
+  int asked = 0;
+};
 
-VirtualScanConfig group_at(const std::string& base_frame, const std::string& frame, const Pose& pose) {
-  VirtualScanConfig group;
-  group.base_frame = base_frame;
-  group.virtual_laser_scan = {frame};
-  group.poses[frame] = pose;
-  return group;
-}
-
-/// A vehicle with a lidar on its roof, a virtual frame in the lidar's frame, another one in base_link, and a
-/// chain of further ones; all poses random.
+/// A vehicle with a lidar on its roof, a virtual frame in the lidar's frame, another one in base, and the
+/// frame of an output; all poses random.
 struct Vehicle {
   explicit Vehicle(unsigned seed) : random(seed) {
     for (auto* pose : {&roof, &under, &bumper, &out}) *pose = random_pose(random);
-    config.vehicle.base_frame = "base";
-    config.sensors = {sensor_at("roof", roof)};
-    config.virtual_scans = {group_at("roof", "under", under), group_at("base", "bumper", bumper)};
-    MergedScanConfig merged;
-    merged.destination_frame = "out";
-    merged.destination_pose = out;
-    config.merged_scans = {merged};
+    fixed = {
+        {"base", "roof", roof}, {"base", "out", out}, {"roof", "under", under}, {"base", "bumper", bumper}};
   }
   Pose find(const std::string& parent, const std::string& child) {
-    const FrameTree tree(config, tf);
+    const FrameTree tree("base", fixed, tf);
     Pose pose = Pose::Identity();
     why.clear();
-    found = tree.find(parent, child, test::bench_begin, pose, why);
+    found = tree.find(parent, child, Stamp{}, pose, why);
     return pose;
   }
 
   std::mt19937 random;
-  Config config;
-  test::KnownTransforms tf;
+  std::vector<StaticTransform> fixed;
+  Tf tf;
   Pose roof, under, bumper, out;
   bool found = false;
   std::string why;
@@ -65,7 +58,7 @@ void expect_same(const Pose& is, const Pose& should, const char* what) {
   EXPECT_TRUE(is.isApprox(should, 1e-9)) << what << "\n" << is.matrix() << "\n" << should.matrix();
 }
 
-TEST(FrameTree, ChainsOfConfiguredPosesAreMultipliedFromTheBaseOutwards) {
+TEST(FrameTree, ChainsOfFixedPosesAreMultipliedFromTheBaseOutwards) {
   for (unsigned seed = 0; seed < 20; ++seed) {
     Vehicle v(seed);
     const Pose base_under = v.roof * v.under;
@@ -81,14 +74,14 @@ TEST(FrameTree, ChainsOfConfiguredPosesAreMultipliedFromTheBaseOutwards) {
   }
 }
 
-TEST(FrameTree, WhereTheConfigurationEndsTfIsAskedForTheRest) {
+TEST(FrameTree, WhereFixedPosesEndTfIsAskedForTheRest) {
   Vehicle v(1);
-  v.config.virtual_scans.push_back(group_at("mast", "top", v.bumper));
+  v.fixed.push_back({"mast", "top", v.bumper});
   v.find("base", "top");
   EXPECT_FALSE(v.found);
   EXPECT_EQ(v.why, "no tf from mast to base");
   const Pose mast = random_pose(v.random);
-  v.tf.set("base", "mast", mast);
+  v.tf.in_base["mast"] = mast;
   expect_same(v.find("base", "top"), mast * v.bumper, "a frame in a frame of tf");
   expect_same(v.find("top", "under"), (mast * v.bumper).inverse() * v.roof * v.under, "both kinds");
   EXPECT_TRUE(v.found);
@@ -102,22 +95,22 @@ TEST(FrameTree, WhereTheConfigurationEndsTfIsAskedForTheRest) {
 
 TEST(FrameTree, PosesThatGoInACircleEndInAQuestionToTf) {
   Vehicle v(2);
-  v.config.virtual_scans = {group_at("one", "two", v.roof), group_at("two", "one", v.under)};
+  v.fixed = {{"one", "two", v.roof}, {"two", "one", v.under}};
   v.find("base", "one");
   EXPECT_FALSE(v.found);
 }
 
-TEST(FrameTree, TheFirstEntryThatNamesAFrameCountsAndTfStaticHoldsEachOnce) {
+TEST(FrameTree, TheFirstPoseOfAFrameCountsAndOthersReplaceThem) {
   Vehicle v(3);
-  v.config.virtual_scans.push_back(group_at("base", "roof", v.bumper));
-  v.config.virtual_scans.push_back(group_at("base", "base", Pose::Identity()));
-  expect_same(v.find("base", "roof"), v.roof, "the sensor's own entry");
-  const FrameTree tree(v.config, v.tf);
-  std::vector<std::string> links;
-  for (const StaticTransform& one : tree.transforms()) links.push_back(one.parent + " -> " + one.child);
-  EXPECT_EQ(links,
-            (std::vector<std::string>{"base -> roof", "base -> out", "roof -> under", "base -> bumper"}));
-  expect_same(tree.transforms()[2].pose, v.under, "in its own parent, not in base");
+  v.fixed.push_back({"base", "roof", v.bumper});
+  expect_same(v.find("base", "roof"), v.roof, "the first one");
+  FrameTree tree("base", v.fixed, v.tf);
+  tree.configure("under", {{"under", "roof", v.out}});
+  EXPECT_EQ(tree.fixed().size(), 1U);
+  Pose pose;
+  ASSERT_TRUE(tree.find("under", "roof", Stamp{}, pose, v.why));
+  expect_same(pose, v.out, "another base");
+  EXPECT_FALSE(tree.find("under", "bumper", Stamp{}, pose, v.why)) << "its pose is gone";
 }
 
 }  // namespace

@@ -1,35 +1,36 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/pipeline/raw_packets.h"
+#include "drivers/velodyne/raw_packets.h"
 
-namespace lidard {
+#include "drivers/velodyne/packet.h"
 
-void RawPacketCollector::add(const Packet& packet, Stamp now) {
+namespace lidard::velodyne {
+
+void RawPacketCollector::add(const Packet& packet, FrameReceiver& out) {
+  if (!stamp_) return;
   constexpr Span longest_pause = std::chrono::seconds(1);
   RawPackets& packets = *message_.operator->();
   const Span since_first = packet.arrival - first_;
   if (!packets.arrivals.empty() && std::chrono::abs(since_first - packets.arrivals.back()) > longest_pause)
-    publish(now);
+    publish(out);
   if (packet.transport != Transport::udp || packet.payload.size() != packet_size) return;
   if (packets.arrivals.empty()) first_ = packet.arrival;
   packets.arrivals.push_back(packet.arrival - first_);
   packets.bytes.insert(packets.bytes.end(), packet.payload.begin(), packet.payload.end());
-  if (packets.arrivals.size() >= most_packets) publish(now);
+  if (packets.arrivals.size() >= most_packets) publish(out);
 }
 
-void RawPacketCollector::publish(Stamp now) {
+void RawPacketCollector::publish(FrameReceiver& out) {
   RawPackets& packets = *message_.operator->();
   if (packets.arrivals.empty()) return;
-  packets.frame_id = config_.frame_id;
-  packets.stamp = first_ + config_.driver.time_offset;
-  if (config_.layout.stamp != FrameStamp::first) {
+  packets.stamp = first_ + time_offset_;
+  if (stamp_ != FrameStamp::first) {
     const Span last = packets.arrivals.back();
     for (Span& arrival : packets.arrivals) arrival -= last;
     packets.stamp = packets.stamp + last;
   }
-  const DeviceMessage& message = message_;
-  topic_.deliver(message, now);
+  out.message(message_);
   clear();
 }
 
-}  // namespace lidard
+}  // namespace lidard::velodyne
