@@ -18,6 +18,8 @@
 #include "daemon/config/config.h"
 #include "drivers/driver.h"
 #include "drivers/model.h"
+#include "drivers/net/tcp_source.h"
+#include "drivers/net/udp_socket.h"
 #include "drivers/reception.h"
 #include "drivers/unknown_senders.h"
 
@@ -36,6 +38,22 @@ struct FilterStatus {
   FilterCounters counters;
 };
 
+/// Two readings of this host's network and the time between them.
+struct HostCounts {
+  HostNetwork before, now;
+  double time_s = 0;
+  bool others_talk = false;  ///< packets of other sensors may be among the received ones
+};
+
+/// The way from a sensor to this daemon.
+struct ConnectionStatus {
+  UdpFault port;                             ///< of the sensor's port
+  TcpState tcp{TcpState::Phase::connected};  ///< of a sensor that streams over TCP
+  std::optional<HostNetwork> network;        ///< of this host
+  bool has_route = false;                    ///< this host has one to the sensor
+  std::optional<HostCounts> counts;          ///< may show why nothing comes
+};
+
 struct SensorStatus {
   std::string name;
   std::string model;                     ///< or "topic"
@@ -47,8 +65,7 @@ struct SensorStatus {
   bool seen = false;                       ///< data was received
   Stamp last_arrival;                      ///< of data
   std::optional<Stamp> last_telemetry;     ///< of telemetry
-  std::string connection_trouble;          ///< while silent: a fault of its connection or this host's network
-  std::string connection_hint;             ///< while silent: a possible cause there
+  ConnectionStatus connection;             ///< while silent
   std::vector<const Model*> other_models;  ///< those of the rejected packets; empty: unknown
   std::string rivals;                      ///< what two devices with its address are; empty: there is one
   IpAddress address;                       ///< the configured one, or where its data come from

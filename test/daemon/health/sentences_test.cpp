@@ -102,7 +102,7 @@ TEST(Sentences, OfASilentSensor) {
   SensorState state;
   state.report.last_arrival = instant - std::chrono::seconds(1);
   EXPECT_THAT(state.says(), AllOf(Says(says::silent), Says(says::nothing_received)));
-  state.report.connection_hint = "a firewall";
+  state.report.connection.port.error = EACCES;
   EXPECT_THAT(state.says(), AllOf(Says(says::silent), Says(says::nothing_because)));
   UnknownSenders others;
   Packet packet;
