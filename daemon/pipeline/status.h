@@ -96,9 +96,15 @@ struct MakerCounters {
   std::uint64_t published = 0;
   std::uint64_t held_back = 0;  ///< outputs not published, since they would show the former instant again
   std::uint64_t no_pose = 0;    ///< inputs not used because the pose of a frame was not known
-  std::string why_no_pose;      ///< the newest reason
+  std::string why_no_pose;      ///< the newest reason; it may be over
+  Stamp no_pose_at{};           ///< when it was found
   Stamp last_published{};
   double most_silence = 3;  ///< s without an output that are no error
+
+  void count_no_pose(Stamp now) {
+    ++no_pose;
+    no_pose_at = now;
+  }
 };
 
 /// A source of an output that merges.

@@ -184,7 +184,7 @@ TEST(Sentences, OfAnOutput) {
   state.status.merge->sources[0].lasting = SourceState::lost;
   EXPECT_THAT(state.says(), Says(says::sources_lost));
   EXPECT_EQ(state.item().health, Health::error);
-  state.status.counters.no_pose = 1;
+  state.status.counters.count_no_pose(instant);
   state.status.counters.why_no_pose = "no tf";
   EXPECT_THAT(state.says(), Says(says::published_without));
   EXPECT_EQ(state.item().health, Health::error);
