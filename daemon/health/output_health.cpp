@@ -234,7 +234,7 @@ std::string pose_losses(const PoseGate& gate, const std::string& frame) {
 
 void add_pose_gate(const PoseGate& gate, const std::string& frame, DiagnosticItem& item) {
   item.add("Not deskewed", gate.not_deskewed_count());
-  item.add("Left out for want of poses", gate.left_out_count());
+  item.add("Left out without poses", gate.left_out_count());
   if (std::string trouble = pose_trouble(gate, frame); item.health == Health::ok && !trouble.empty())
     item.set(Health::warn, std::move(trouble));
 }
