@@ -89,8 +89,8 @@ struct DeviceInfo {
   std::string serial;                                        ///< empty: unknown
   std::vector<std::pair<std::string, std::string>> details;  ///< for diagnostics, in display order
   std::vector<std::string> warnings;                         ///< full sentences, each with its remedy
-  std::size_t from_configuration = 0;  ///< so many of them, the first ones, `lidard check` has too
-  bool has_fault = false;              ///< one of the warnings says that the device itself is in error
+  std::string from_configuration;  ///< the one of them that `lidard check` has too; empty: none
+  bool has_fault = false;          ///< one of the warnings says that the device itself is in error
 
   /// Sets a detail; a new one is appended.
   void set(std::string_view key, std::string_view value) {

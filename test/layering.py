@@ -87,14 +87,15 @@ WORDS = {
     "DriverOutput|ChangeableOutput": "FrameReceiver, Reconfigurable",
     "SeenPlace|DiscoverPlace|ParameterReader": "Surroundings, DiscoverTarget, Translation",
     "overlap_": "mount_check_",
-    "lying_product|grist": "wrong product, packets",
+    "lying_(product|packets)|grist": "wrong product, packets",
+    "connection_(trouble|hint)": "TcpState, ConnectionStatus",
     "veils?(?!_filter)": "mixed pixel",
     "take_\\w+": "accept, apply, parse, read",
     "lest|whoever|somebody": "the noun",
 }
 # Words that have a meaning in some rooms alone: the others, and what they say instead.
 ROOM_WORDS = {
-    ("core/mounts", "daemon/commands", "daemon/dropin", "daemon/files", "daemon/live", "daemon/offline", "daemon/ros"): {
+    ("core/frames", "core/mounts", "drivers/sick", "daemon/commands", "daemon/dropin", "daemon/files", "daemon/live", "daemon/offline", "daemon/ros"): {
         r"\bplaces?_?\b|\bis_placed\b|\bplace_of\b": "index, position, pose, viewpoint, to transform",
     },
 }

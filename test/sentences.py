@@ -19,19 +19,18 @@ HEAD = """\
 # What lidard says
 
 Every sentence on `/diagnostics`, in `lidard status` and in `lidard events`, by item; words in capitals stand for names and figures.
-A `cause` stands behind another sentence. Beside these, items repeat what a device says of itself, and what the
-kernel says of a port or a connection, each with its remedy.
+A `cause` stands behind another sentence. Beside these, items repeat what a device says of itself, with its remedy.
 """
 FIGURE = re.compile(r"\{(\w+)(?::[^}]*)?\}")
 TEXT = r'(?:\s*"(?:\\.|[^"\\])*")+'
 ROW = re.compile(rf"// # (.*)|constexpr std::string_view (\w+) =({TEXT});|inline constexpr auto (\w+) =\s*(\w+)\(({TEXT})(?:,\s*({TEXT}|\w+))?\);")
 # Words with a capital inside or an underscore that belong to others.
-FOREIGN = {"LimitNOFILE", "TasksMax", "rmem_max", "rp_filter", "use_sim_time"}
+FOREIGN = {"AF_NETLINK", "LimitNOFILE", "TasksMax", "cap_net_bind_service", "rmem_max", "rp_filter", "use_sim_time"}
 
 NOT_TESTED = {
-    "besides": "two faults of the host's network at once",
     "hardware_addresses": "two devices with one address on one cable of this host",
     "master_call_hangs": "a master that hangs in the middle of a call",
+    "no_interface_news": "needs a kernel without AF_NETLINK",
     "no_thread": "needs a limit of threads",
     "too_many_files": "needs a limit of files; test_node_name.py reads the log",
     "scans_dropped": "a computer that is too busy for seconds",

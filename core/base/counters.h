@@ -49,7 +49,7 @@ struct Counters {
   std::uint64_t incomplete = 0;      ///< telegrams given up because a part never came; lost_packets has them
   std::uint64_t reordered = 0;       ///< packets older than one already used
   std::uint64_t clock_steps = 0;     ///< jumps of the device clock
-  std::uint64_t lying_packets = 0;  ///< whose model byte is not the configured model's; decoded as configured
+  std::uint64_t wrong_product = 0;  ///< whose model byte is not the configured model's; decoded as configured
   std::array<std::uint64_t, reject_reasons> rejected{};  ///< by reason, [Reject]
 
   void reject(Reject reason) { ++rejected[static_cast<std::size_t>(reason)]; }
@@ -72,6 +72,6 @@ constexpr NamedCounter<Counters> trouble_counters[] = {
     {&Counters::partial_frames, "partial_frames", "partial frames dropped"},
     {&Counters::reordered, "reordered", "reordered packets"},
     {&Counters::clock_steps, "clock_steps", "clock steps"},
-    {&Counters::lying_packets, "lying_packets", "packets with a wrong product byte"}};
+    {&Counters::wrong_product, "wrong_product", "packets with a wrong product byte"}};
 
 }  // namespace lidard

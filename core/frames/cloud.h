@@ -27,7 +27,7 @@ static_assert(sizeof(CloudPoint) == 22, "the PointCloud2 layout is a contract");
 /// A return in a cloud of several sources, likewise; point_step 24.
 struct __attribute__((packed, may_alias)) MergedPoint {
   CloudPoint point;      ///< in the frame of the merged cloud; `time` after its stamp, mostly negative
-  std::uint16_t sensor;  ///< place of its source among those of the merged cloud
+  std::uint16_t sensor;  ///< index of its source among those of the merged cloud
 };
 static_assert(sizeof(MergedPoint) == 24, "the PointCloud2 layout is a contract");
 

@@ -87,12 +87,12 @@ struct RawPackets {
 using DeviceMessage = std::variant<GnssFix, TimeReference, ImuSample, DeviceState, RawPackets>;
 
 /// Index of a kind in that list, as of DeviceMessage::index().
-template <class Kind, std::size_t place = 0>
+template <class Kind, std::size_t index = 0>
 constexpr std::size_t message_kind() {
-  if constexpr (std::is_same_v<std::variant_alternative_t<place, DeviceMessage>, Kind>)
-    return place;
+  if constexpr (std::is_same_v<std::variant_alternative_t<index, DeviceMessage>, Kind>)
+    return index;
   else
-    return message_kind<Kind, place + 1>();
+    return message_kind<Kind, index + 1>();
 }
 
 /// The last part of the name of a message's topic.

@@ -69,8 +69,8 @@ FilterVerdict FrameFilter::judge(const CloudPoint& point, bool with_intensities)
   const FrameFilterSettings& s = settings_;
   if (with_intensities && s.intensity_min && !(static_cast<double>(point.intensity) >= *s.intensity_min))
     return FilterVerdict::intensity;
-  const Eigen::Vector3d place = Eigen::Vector3f(point.x, point.y, point.z).cast<double>();
-  const bool stays = (!s.box || s.box->contains(place)) && !(s.cut_out && s.cut_out->contains(place));
+  const Eigen::Vector3d position = Eigen::Vector3f(point.x, point.y, point.z).cast<double>();
+  const bool stays = (!s.box || s.box->contains(position)) && !(s.cut_out && s.cut_out->contains(position));
   return stays ? FilterVerdict::kept : FilterVerdict::box;
 }
 
@@ -91,11 +91,11 @@ void FrameFilter::judge_voxels(const CloudPoint* points) {
     candidates_.push_back({voxel, off_centre, static_cast<std::uint32_t>(i)});
   }
   std::sort(candidates_.begin(), candidates_.end(), [](const Candidate& a, const Candidate& b) {
-    return std::tie(a.voxel, a.off_centre, a.place) < std::tie(b.voxel, b.off_centre, b.place);
+    return std::tie(a.voxel, a.off_centre, a.index) < std::tie(b.voxel, b.off_centre, b.index);
   });
   for (std::size_t i = 1; i < candidates_.size(); ++i) {
     if (candidates_[i].voxel == candidates_[i - 1].voxel)
-      verdicts_[candidates_[i].place] = FilterVerdict::voxel;
+      verdicts_[candidates_[i].index] = FilterVerdict::voxel;
   }
 }
 

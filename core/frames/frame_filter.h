@@ -75,11 +75,11 @@ class FrameFilter {
   FilterCounters counters_;
   std::vector<FilterVerdict> verdicts_;  // one per return
   std::vector<CloudPoint> points_;       // the returns of a scan
-  /// A return that is still there: its voxel, the square of its distance from the voxel's centre, its place.
+  /// A return that is still there: its voxel, the square of its distance from the voxel's centre, its index.
   struct Candidate {
     std::uint64_t voxel;
     float off_centre;
-    std::uint32_t place;
+    std::uint32_t index;
   };
   std::vector<Candidate> candidates_;
   std::vector<CloudPoint> left_;  // the points of the candidates

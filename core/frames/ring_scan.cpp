@@ -89,7 +89,7 @@ void RingScan::merge_echo(const Firing& echo) {
   if (nearer || kept.status == BeamStatus::none) kept = echo;
 }
 
-void RingScan::place(const Cloud& cloud) {
+void RingScan::find_positions(const Cloud& cloud) {
   const double first = static_cast<double>(cloud.columns.front().azimuth) + offset_rad_;
   if (!begin_known_) {
     begin_known_ = true;
@@ -194,7 +194,7 @@ void RingScan::fill(PlanarScan& scan) const {
 bool RingScan::convert(const Cloud& cloud, PlanarScan& scan) {
   if (cloud.columns.empty()) return false;
   gather(cloud);
-  place(cloud);  // a hit has the offset of its ring already, a beam without return has not
+  find_positions(cloud);  // a hit has the offset of its ring already, a beam without return has not
   if (!measure(cloud)) return false;
   scan.frame_id = cloud.frame_id;
   scan.reset(beams_);

@@ -49,7 +49,7 @@ class RingScan {
   void merge_echo(const Firing& echo);
   bool measure(const Cloud& cloud);
   double mean_step(double limit) const;
-  void place(const Cloud& cloud);
+  void find_positions(const Cloud& cloud);
   void fill(PlanarScan& scan) const;
   void set_beam(PlanarScan& scan, std::size_t beam, const Firing& a, const Firing& b) const;
   void keep_nearer(PlanarScan& scan, std::size_t beam, const Firing& firing) const;

@@ -90,9 +90,8 @@ struct Replay {
     for (const auto& sender : pipeline.unclaimed_senders())
       out << "  no sensor is configured for " << sender << '\n';
     for (const auto& sensor : sensors) {
-      const auto& warnings = sensor.info.warnings;
-      for (std::size_t i = sensor.info.from_configuration; i < warnings.size(); ++i)
-        err << sensor.name << ": " << warnings[i] << '\n';
+      for (const std::string& warning : sensor.info.warnings)
+        if (warning != sensor.info.from_configuration) err << sensor.name << ": " << warning << '\n';
     }
   }
 };

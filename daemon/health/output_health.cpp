@@ -26,17 +26,23 @@ std::string name_of(const MakerId& id) {
   return id.entry;
 }
 
+/// Why inputs have no pose; empty: none has lacked it lately.
+std::string why_no_pose(const MakerCounters& counters, Stamp now) {
+  const bool lasts = counters.no_pose > 0 && seconds(now - counters.no_pose_at) <= counters.most_silence;
+  return lasts ? counters.why_no_pose : "";
+}
+
 /// Whether an output publishes, and if not, why.
 void judge_output(const MakerStatus& status, Stamp now, DiagnosticItem& item) {
   const MakerCounters& counters = status.counters;
   const double age = seconds(now - counters.last_published);
-  if (status.starting && counters.no_pose == 0 && (counters.published == 0 || age > counters.most_silence)) {
+  const std::string why = why_no_pose(counters, now);
+  if (status.starting && why.empty() && (counters.published == 0 || age > counters.most_silence)) {
     item.set<says::waiting_for_input>();
   } else if (counters.published > 0 && age <= counters.most_silence) {
     item.set<says::publishing>();
-  } else if (counters.no_pose > 0) {
-    counters.published == 0 ? item.set<says::no_output>(counters.why_no_pose)
-                            : item.set<says::no_output_any_more>(counters.why_no_pose);
+  } else if (!why.empty()) {
+    counters.published == 0 ? item.set<says::no_output>(why) : item.set<says::no_output_any_more>(why);
   } else {
     counters.published == 0 ? item.set<says::no_input>()
                             : item.set<says::output_stopped>(counters.most_silence);
@@ -74,7 +80,7 @@ double better_deadline(const MergeStatus& merge) {
   return deadline;
 }
 
-void judge_sources(const MakerStatus& status, const MergeStatus& merge, DiagnosticItem& item) {
+void judge_sources(const MakerStatus& status, const MergeStatus& merge, Stamp now, DiagnosticItem& item) {
   for (const SourceStatus& source : merge.sources) item.add("Source " + source.name, source_text(source));
   const std::string stale = names_of(merge, true), lost = names_of(merge, false);
   item.add("Sources lost", lost);
@@ -86,8 +92,7 @@ void judge_sources(const MakerStatus& status, const MergeStatus& merge, Diagnost
                        [&](const SourceStatus& source) { return source.lasting == state; });
   };
   item.awaited = !is(SourceState::lost);
-  const MakerCounters& counters = status.counters;
-  const std::string why = counters.no_pose > 0 ? counters.why_no_pose : std::string();
+  const std::string why = why_no_pose(status.counters, now);
   const double deadline = better_deadline(merge);
   if (!is(SourceState::ok))
     why.empty() ? item.set<says::no_source>() : item.set<says::no_source_because>(why);
@@ -98,8 +103,8 @@ void judge_sources(const MakerStatus& status, const MergeStatus& merge, Diagnost
   item.health = lost.empty() ? Health::warn : Health::error;
 }
 
-void judge_merge(const MakerStatus& status, const MergeStatus& merge, DiagnosticItem& item) {
-  judge_sources(status, merge, item);
+void judge_merge(const MakerStatus& status, const MergeStatus& merge, Stamp now, DiagnosticItem& item) {
+  judge_sources(status, merge, now, item);
   if (merge.track != nullptr) {
     const auto has = [&](SourceUse use) { return std::count(merge.uses.begin(), merge.uses.end(), use) > 0; };
     item.add("Motion", merge.track->empty()           ? text<says::track_empty>()
@@ -174,7 +179,7 @@ DiagnosticItem output_health(const MakerStatus& status, Stamp now) {
   DiagnosticItem item{name_of(status.id)};
   judge_output(status, now, item);
   if (status.merge) {
-    judge_merge(status, *status.merge, item);
+    judge_merge(status, *status.merge, now, item);
     judge_mounts(*status.merge, item);
   }
   if (status.planes) judge_planes(*status.planes, item);
@@ -229,7 +234,7 @@ std::string pose_losses(const PoseGate& gate, const std::string& frame) {
 
 void add_pose_gate(const PoseGate& gate, const std::string& frame, DiagnosticItem& item) {
   item.add("Not deskewed", gate.not_deskewed_count());
-  item.add("Left out for want of poses", gate.left_out_count());
+  item.add("Left out without poses", gate.left_out_count());
   if (std::string trouble = pose_trouble(gate, frame); item.health == Health::ok && !trouble.empty())
     item.set(Health::warn, std::move(trouble));
 }

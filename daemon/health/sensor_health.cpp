@@ -7,11 +7,11 @@
 #include <algorithm>
 #include <cctype>
 
+#include "daemon/health/network_health.h"
 #include "daemon/health/output_health.h"
 #include "daemon/health/reception_verdict.h"
 #include "daemon/health/report.h"
 #include "daemon/health/sentences.h"
-#include "daemon/pipeline/context.h"
 
 namespace lidard {
 namespace {
@@ -40,15 +40,18 @@ std::string nothing_from(const SensorStatus& report, const UnknownSenders& unkno
       datagrams ? unknown.sender_to(config.ip_port, now - recent_sender) : std::string();
   if (!sender.empty()) return text<says::nothing_but_others>(source, sender);
   // A device that refuses reports the reason, and a failed dialogue explains missing datagrams.
-  std::string cause = report.connection_trouble.empty() ? warnings_of(report) : report.connection_trouble;
-  if (cause.empty() && datagrams) cause = report.connection_hint;
+  std::string cause = why_unreachable(report.connection, config);
+  if (cause.empty()) cause = warnings_of(report);
+  if (cause.empty() && report.connection.counts) cause = host_hint(config, *report.connection.counts);
   if (!cause.empty()) return text<says::nothing_because>(source, cause);
   return datagrams ? text<says::nothing_received>(source) : text<says::nothing_measured>(source);
 }
 
 /// True in the first second after the start.
 bool may_still_come(const SensorStatus& report) {
-  return report.starting && (report.connection_trouble.empty() || report.connection_trouble == first_attempt);
+  ConnectionStatus way = report.connection;
+  if (way.tcp.is_first_attempt()) way.tcp.phase = TcpState::Phase::connected;  // it may be, soon
+  return report.starting && why_unreachable(way, *report.config).empty();
 }
 
 /// Judges missing data.

@@ -143,11 +143,58 @@ inline constexpr auto lost_in_kernel = warn(
     "packets were lost in the kernel's receive buffer in the last 10 s: this computer was too busy to fetch "
     "them",
     "see `top`, and raise net.core.rmem_max");
+inline constexpr auto buffer_small = warn(
+    "the receive buffer of port {port} has {got} bytes instead of {asked}, so packets are lost when the "
+    "machine is busy for more than {time:.0f} ms",
+    "run `sysctl -w net.core.rmem_max={asked}`");
+inline constexpr auto port_in_use = error("port {port} is in use by another program",
+                                          "find it with `ss -lunp 'sport = :{port}'`{held_by_program}");
+inline constexpr auto held_by_program = part(" (it is {program}, process {process})");
+inline constexpr auto held_by_user = part(" (it is a program of user {user})");
+inline constexpr auto port_forbidden =
+    error("this user may not open port {port}",
+          "ports below 1024 need the capability cap_net_bind_service, or choose another port");
+inline constexpr auto port_not_readable =
+    error("cannot receive at UDP port {port}: {reason}", "it is tried again");
+inline constexpr auto group_without_interface =
+    warn("cannot join the multicast group {group}: there is no interface {interface}",
+         "compare with `ip link`, it is joined as soon as there is one");
+inline constexpr auto group_without_address =
+    warn("cannot join the multicast group {group}: no interface has the address {address}",
+         "compare with `ip -4 address`, it is joined as soon as one has");
+inline constexpr auto group_without_route =
+    warn("cannot join the multicast group {group}: no interface leads to it",
+         "name the sensor's interface, or add a route for 224.0.0.0/4");
+inline constexpr auto group_not_joined =
+    graded("cannot join the multicast group {group}: {reason}", "it is tried again");
+inline constexpr auto no_socket =
+    graded("no socket for {peer}: too many files are open",
+           "raise the limit (LimitNOFILE= of the unit, `ulimit -n`), it is tried again");
+inline constexpr auto connecting = ok("connecting");
 inline constexpr auto connected = ok("connected");
 inline constexpr auto stopped = ok("stopped");
 inline constexpr auto not_needed = ok("not needed now");
-inline constexpr auto dialogue_failed = cause("the dialogue with {device} could not go on; it is begun again",
-                                              "the sensor's diagnostics say more");
+inline constexpr auto connection_refused =
+    graded("{device} refuses the connection",
+           "is this the device's port, and does another program use the device already? it is tried again");
+inline constexpr auto no_answer =
+    graded("{device} does not answer", "check the device's power, cable and address, it is tried again");
+inline constexpr auto no_way = graded("{device} cannot be reached ({reason})",
+                                      "check cable and this host's network address, it is tried again");
+inline constexpr auto not_connected = graded("no connection to {device}: {reason}", "it is tried again");
+constexpr std::string_view device_restarted =
+    "did it restart, or does another program use the device? the connection is opened again";
+inline constexpr auto connection_closed = graded("{device} closed the connection", device_restarted);
+inline constexpr auto connection_reset = graded("{device} reset the connection", device_restarted);
+inline constexpr auto no_answer_any_more =
+    graded("{device} does not answer any more", "check its power and cable, it is tried again");
+inline constexpr auto connection_broke =
+    graded("the connection to {device} broke: {reason}", "it is opened again");
+inline constexpr auto connection_silent =
+    graded("{device} sent nothing for {time:.1f} s",
+           "is it still starting, or has it lost power or cable? the connection is opened again");
+inline constexpr auto dialogue_failed = graded(
+    "the dialogue with {device} could not go on; it is begun again", "the sensor's diagnostics say more");
 
 // # `merged NAME`, `merged cloud NAME`, `virtual NAME`
 inline constexpr auto publishing = ok("publishing");
@@ -253,7 +300,7 @@ inline constexpr auto no_report =
     error("no report from the sensor thread for {age:.1f} s",
           "`journalctl -u lidard` names the thread that hangs; before that: {before}");
 
-// # `configuration`, `black box`, `clock`, `computer`, `virtual scans to merge`
+// # `configuration`, `black box`, `clock`, `computer`, `virtual scans to merge`, and in the log
 inline constexpr auto as_in_file = ok("as in {file}");
 inline constexpr auto file_refused = error("{cause}", "the last good configuration is in force");
 inline constexpr auto not_kept =
@@ -279,6 +326,9 @@ inline constexpr auto too_busy =
 inline constexpr auto all_handed_over = ok("all are handed over");
 inline constexpr auto scans_dropped =
     warn("scans were dropped, since this computer is too busy to merge them", "see `top`");
+inline constexpr auto no_interface_news =
+    warn("the kernel does not report changes of interfaces ({reason}), so they are checked once per second",
+         "allow AF_NETLINK in the service's unit");
 inline constexpr auto recurs = part("{sentence} (keeps changing; `lidard events` counts what follows)");
 
 }  // namespace lidard::says

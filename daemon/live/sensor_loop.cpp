@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstring>
 
 #include "daemon/health/reception_verdict.h"
 #include "daemon/health/sentences.h"
@@ -49,8 +50,7 @@ SensorLoop::SensorLoop(const Config& config, DaemonClock& clock, BlackBox& box, 
            [this](std::size_t sensor, HostStamp at) { pipeline_.connected(sensor, clock_.steady(at)); },
            [this](std::size_t sensor) { pipeline_.disconnected(sensor); },
            [this](std::size_t sensor) { return pipeline_.frames(sensor); },
-           [this](std::size_t sensor) { return host_causes_.trouble(sensor); },
-           [this](std::size_t sensor) { return host_causes_.hint(sensor); },
+           [this](std::size_t sensor) { return host_causes_.status(sensor); },
            [this] { return clock_.now(); }}),
       interfaces_(io_,
                   [this] {
@@ -73,7 +73,8 @@ void SensorLoop::post(std::function<void(Stamp)> task) {
 void SensorLoop::run() {
   ports_.start();
   connections_.start();
-  if (const std::string trouble = interfaces_.start(); !trouble.empty()) log_warn("{}", trouble);
+  if (const int error = interfaces_.start(); error != 0)
+    log_warn("{}", text<says::no_interface_news>(std::strerror(error)));
   next_tick_ = std::chrono::steady_clock::now();
   schedule_tick();
   io_.run();

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "daemon/health/network_health.h"
 #include "daemon/health/sentences.h"
 #include "daemon/log/log.h"
 
@@ -15,14 +16,6 @@ namespace {
 constexpr Span longest_silence = std::chrono::seconds(12);
 
 bool is_connected(const TcpState& state) { return state.phase == TcpState::Phase::connected; }
-
-std::string text_of(const TcpState& state, bool streams) {
-  if (is_connected(state)) return text<says::connected>();
-  if (!state.message.empty()) return state.message;
-  if (state.phase == TcpState::Phase::stopped)
-    return streams ? text<says::stopped>() : text<says::not_needed>();
-  return first_attempt;
-}
 
 }  // namespace
 
@@ -98,10 +91,9 @@ void TcpConnections::add_diagnostics(std::vector<DiagnosticItem>& items) const {
     const TcpState& state = connection->source->state();
     const TcpStats& stats = connection->source->stats();
     DiagnosticItem item{"link " + connection->config.name, connection->device.to_string()};
-    item.message = text_of(state, connection->streams);
-    const bool idle =
-        !connection->streams && state.phase == TcpState::Phase::stopped && state.message.empty();
-    if (!is_connected(state) && !idle && item.message != first_attempt)
+    const bool idle = !connection->streams && state.phase == TcpState::Phase::stopped && !state.fault;
+    item.message = idle ? text<says::not_needed>() : state_text(state, connection->device);
+    if (!is_connected(state) && !idle && !state.is_first_attempt())
       item.health = connection->streams ? Health::error : Health::warn;  // data arrive without a dialogue
     item.awaited = events_.frames(connection->sensor) == 0;
     if (connection->streams) item.is_up = is_connected(state);
@@ -139,21 +131,14 @@ void TcpConnections::disconnect(std::size_t sensor, bool again) {
   Connection* connection = find(sensor);
   if (connection == nullptr || !connection->source) return;
   // A device that streams over TCP needs its connection.
-  connection->source->disconnect(again || connection->streams,
-                                 text<says::dialogue_failed>(connection->device.to_string()));
+  connection->source->disconnect(again || connection->streams);
 }
 
-std::string TcpConnections::trouble(std::size_t sensor) const {
+ConnectionStatus TcpConnections::status(std::size_t sensor) const {
+  ConnectionStatus status = events_.host ? events_.host(sensor) : ConnectionStatus();
   const Connection* connection = find(sensor);
-  // A fault of this host's network explains the failure and is known earlier.
-  std::string host = events_.host_trouble ? events_.host_trouble(sensor) : std::string();
-  const bool says_more =
-      connection != nullptr && connection->streams && !is_connected(connection->source->state());
-  return host.empty() && says_more ? text_of(connection->source->state(), true) : host;
-}
-
-std::string TcpConnections::hint(std::size_t sensor) const {
-  return events_.host_hint ? events_.host_hint(sensor) : std::string();
+  if (connection != nullptr && connection->streams) status.tcp = connection->source->state();
+  return status;
 }
 
 }  // namespace lidard

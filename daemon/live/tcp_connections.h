@@ -4,7 +4,6 @@
 
 #include <functional>
 #include <memory>
-#include <string>
 #include <vector>
 
 #include "daemon/config/config.h"
@@ -22,8 +21,8 @@ struct ConnectionEvents {
   std::function<void(std::size_t sensor)> disconnected;
   /// Number of frames from the sensor's driver so far.
   std::function<std::uint64_t(std::size_t sensor)> frames;
-  /// Faults and hints about this host's network, as DeviceConnections::trouble() and hint().
-  std::function<std::string(std::size_t sensor)> host_trouble{}, host_hint{};
+  /// The sensor's port and this host's network.
+  std::function<ConnectionStatus(std::size_t sensor)> host{};
   /// The time now.
   std::function<Stamp()> now{};
 };
@@ -49,8 +48,7 @@ class TcpConnections final : public DeviceConnections {
   void send(std::size_t sensor, ByteView bytes) override;
   Stamp now() const override { return events_.now(); }
   void disconnect(std::size_t sensor, bool again) override;
-  std::string trouble(std::size_t sensor) const override;
-  std::string hint(std::size_t sensor) const override;
+  ConnectionStatus status(std::size_t sensor) const override;
 
  private:
   struct Connection {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "daemon/config/config.h"
+#include "daemon/health/network_health.h"
 #include "daemon/health/sentences.h"
 #include "daemon/log/log.h"
 
@@ -122,10 +123,9 @@ void UdpPorts::add_diagnostics(std::vector<DiagnosticItem>& items) const {
                   : receives(state)                         ? Health::warn
                                                             : Health::error;
     item.is_up = receives(state);
-    item.message = state.message.empty() ? text<says::listening>() : state.message;
-    if (item.health == Health::ok && !port.source->warning().empty()) {
-      item.set(Health::warn, port.source->warning());
-    }
+    item.message = state.fault ? fault_text(state.fault, port.number) : text<says::listening>();
+    if (std::string small = buffer_text(stats, port.number); item.health == Health::ok && !small.empty())
+      item.set(Health::warn, std::move(small));
     if (stats.kernel_drops > 0 && std::chrono::steady_clock::now() - port.dropped_at < incident_lasts)
       item.set<says::lost_in_kernel>();
     item.add("Datagrams", stats.datagrams);
@@ -143,9 +143,9 @@ std::uint64_t UdpPorts::datagrams() const {
   return all;
 }
 
-std::string UdpPorts::trouble(std::uint16_t port) const {
+UdpFault UdpPorts::fault(std::uint16_t port) const {
   for (const auto& each : ports_) {
-    if (each.number == port && !receives(each.source->state())) return each.source->state().message;
+    if (each.number == port && !receives(each.source->state())) return each.source->state().fault;
   }
   return {};
 }

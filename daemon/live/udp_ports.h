@@ -5,7 +5,6 @@
 #include <chrono>
 #include <functional>
 #include <memory>
-#include <string>
 #include <vector>
 
 #include "daemon/config/config.h"
@@ -34,8 +33,8 @@ class UdpPorts {
   void add_diagnostics(std::vector<DiagnosticItem>& items) const;
   /// Datagrams received at all ports.
   std::uint64_t datagrams() const;
-  /// Why a port cannot receive; empty: it is open.
-  std::string trouble(std::uint16_t port) const;
+  /// Why a port cannot receive.
+  UdpFault fault(std::uint16_t port) const;
 
  private:
   struct Port {

@@ -3,17 +3,14 @@
 #pragma once
 
 #include <cstddef>
-#include <string>
 
 #include "core/base/bytes.h"
 #include "daemon/pipeline/router.h"
+#include "daemon/pipeline/status.h"
 #include "daemon/pipeline/vehicle_motion.h"
 #include "drivers/address.h"
 
 namespace lidard {
-
-/// DeviceConnections::trouble() before the end of the first attempt.
-inline constexpr const char* first_attempt = "connecting";
 
 /// The TCP connections to devices. Sensors are identified by their index in the configuration. There are no
 /// connections in replay.
@@ -27,10 +24,8 @@ class DeviceConnections {
   virtual Stamp now() const = 0;
   /// Ends the connection; `again`: opens a new one.
   virtual void disconnect(std::size_t sensor, bool again) = 0;
-  /// Why the sensor has no connection or cannot be reached, with the remedy; empty: no known fault.
-  virtual std::string trouble(std::size_t sensor) const = 0;
-  /// A possible reason for the silence of a sensor with a working connection; empty: unknown.
-  virtual std::string hint(std::size_t /*sensor*/) const { return {}; }
+  /// What is known of the way to the sensor.
+  virtual ConnectionStatus status(std::size_t sensor) const = 0;
 };
 
 /// What the sensors and makers of a pipeline share; it must outlive them.

@@ -69,7 +69,7 @@ class MergedCloudMaker final : public MergingMaker {
     note_wanted();
     Pose pose;
     if (!find_pose(context_.vehicle.base_frame, frame.frame_id, frame.stamp, pose))
-      return void(++counters_.no_pose);
+      return counters_.count_no_pose(now);
     if (merger_.add(source, frame, pose, wanted_)) delivered(source, times_of(frame), period, now);
   }
   void publish(MergeMoment moment, Stamp now) override {
@@ -80,7 +80,7 @@ class MergedCloudMaker final : public MergingMaker {
     // The last look was at the instant too, but only where the vehicle moves.
     if (moment.track == nullptr && !find_pose(config_.destination_frame, context_.vehicle.base_frame,
                                               moment.at, moment.output_from_base)) {
-      ++counters_.no_pose;
+      counters_.count_no_pose(now);
       return not_published(now);
     }
     published(merger_.merge(moment, usable(now), merged_), now);

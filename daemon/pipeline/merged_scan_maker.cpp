@@ -51,7 +51,7 @@ class MergedScanMaker final : public MergingMaker {
     Pose pose;
     if (!follow_footprint(scan->stamp) ||
         !find_pose(config_.destination_frame, scan->frame_id, scan->stamp, pose))
-      return void(++counters_.no_pose);
+      return counters_.count_no_pose(now);
     if (merger_->add(source, *scan, pose))
       delivered(source, *merger_->times(source), static_cast<double>(scan->scan_time), now);
   }

@@ -294,10 +294,7 @@ SensorStatus Sensor::status() const {
   status.last_telemetry = last_telemetry_;
   const bool silent =
       !seen_ || silence_of(last_arrival_, watch_.period_s(), context_.now) != SilenceLevel::none;
-  if (context_.connections != nullptr && silent) {
-    status.connection_trouble = context_.connections->trouble(index_);
-    status.connection_hint = context_.connections->hint(index_);
-  }
+  if (context_.connections != nullptr && silent) status.connection = context_.connections->status(index_);
   status.other_models = other_model_.models();
   status.clock_ahead = topic_clock_.ahead();
   status.stamps_replaced = topic_clock_.replaced();

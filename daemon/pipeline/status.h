@@ -18,6 +18,8 @@
 #include "daemon/config/config.h"
 #include "drivers/driver.h"
 #include "drivers/model.h"
+#include "drivers/net/tcp_source.h"
+#include "drivers/net/udp_socket.h"
 #include "drivers/reception.h"
 #include "drivers/unknown_senders.h"
 
@@ -36,6 +38,22 @@ struct FilterStatus {
   FilterCounters counters;
 };
 
+/// Two readings of this host's network and the time between them.
+struct HostCounts {
+  HostNetwork before, now;
+  double time_s = 0;
+  bool others_talk = false;  ///< packets of other sensors may be among the received ones
+};
+
+/// The way from a sensor to this daemon.
+struct ConnectionStatus {
+  UdpFault port;                             ///< of the sensor's port
+  TcpState tcp{TcpState::Phase::connected};  ///< of a sensor that streams over TCP
+  std::optional<HostNetwork> network;        ///< of this host
+  bool has_route = false;                    ///< this host has one to the sensor
+  std::optional<HostCounts> counts;          ///< may show why nothing comes
+};
+
 struct SensorStatus {
   std::string name;
   std::string model;                     ///< or "topic"
@@ -47,8 +65,7 @@ struct SensorStatus {
   bool seen = false;                       ///< data was received
   Stamp last_arrival;                      ///< of data
   std::optional<Stamp> last_telemetry;     ///< of telemetry
-  std::string connection_trouble;          ///< while silent: a fault of its connection or this host's network
-  std::string connection_hint;             ///< while silent: a possible cause there
+  ConnectionStatus connection;             ///< while silent
   std::vector<const Model*> other_models;  ///< those of the rejected packets; empty: unknown
   std::string rivals;                      ///< what two devices with its address are; empty: there is one
   IpAddress address;                       ///< the configured one, or where its data come from
@@ -79,9 +96,15 @@ struct MakerCounters {
   std::uint64_t published = 0;
   std::uint64_t held_back = 0;  ///< outputs not published, since they would show the former instant again
   std::uint64_t no_pose = 0;    ///< inputs not used because the pose of a frame was not known
-  std::string why_no_pose;      ///< the newest reason
+  std::string why_no_pose;      ///< the newest reason; it may be over
+  Stamp no_pose_at{};           ///< when it was found
   Stamp last_published{};
   double most_silence = 3;  ///< s without an output that are no error
+
+  void count_no_pose(Stamp now) {
+    ++no_pose;
+    no_pose_at = now;
+  }
 };
 
 /// A source of an output that merges.

@@ -83,7 +83,7 @@ class VirtualScanMaker final : public Maker {
     placed.vehicle_from_cloud = Pose::Identity();
     if (needs_vehicle_ &&
         !find_pose(context_.vehicle.base_frame, cloud.frame_id, cloud.stamp, placed.vehicle_from_cloud)) {
-      ++counters_.no_pose;
+      counters_.count_no_pose(now);
       for (std::string& why : why_unplaced_) why = counters_.why_no_pose;
       return;
     }
@@ -104,20 +104,20 @@ class VirtualScanMaker final : public Maker {
     virtualizer_->set_clouds(clouds);
     if (virtualizer_->why_no_surfaces()[0] != '\0') ++without_rings_;
     for (std::size_t i = 0; i < config_.virtual_laser_scan.size(); ++i) {
-      if (!find_clouds(clouds, i)) continue;
+      if (!find_clouds(clouds, i, now)) continue;
       virtualizer_->project(i, cloud_poses_.data(), cut_);
       publish(i, instant, now);
     }
   }
   /// Finds where the clouds are in a frame.
-  bool find_clouds(const std::vector<PlacedCloud>& clouds, std::size_t frame) {
+  bool find_clouds(const std::vector<PlacedCloud>& clouds, std::size_t frame, Stamp now) {
     why_unplaced_[frame].clear();
     for (std::size_t c = 0; c < clouds.size(); ++c) {
       const Cloud* const cloud = clouds[c].cloud;
       if (cloud == nullptr ||
           find_pose(config_.virtual_laser_scan[frame], cloud->frame_id, cloud->stamp, cloud_poses_[c]))
         continue;
-      ++counters_.no_pose;
+      counters_.count_no_pose(now);
       why_unplaced_[frame] = counters_.why_no_pose;
       return false;
     }

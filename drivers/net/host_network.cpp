@@ -143,31 +143,31 @@ bool has_route_to(const IpAddress& address) {
   return connect(fd.get(), reinterpret_cast<const sockaddr*>(&to), sizeof to) == 0;
 }
 
-std::string holder_of_udp_port(std::uint16_t port) {
+PortHolder holder_of_udp_port(std::uint16_t port) {
   std::ifstream in("/proc/self/net/udp");  // proc(5)
-  std::string line, user, inode;
+  PortHolder holder;
+  std::string line, inode;
   while (inode.empty() && std::getline(in, line)) {
     std::istringstream fields(line);
-    std::string skipped, local;
+    std::string skipped, local, user;
     fields >> skipped >> local >> skipped >> skipped >> skipped >> skipped >> skipped >> user >> skipped;
     const std::size_t colon = local.find(':');
     if (colon != std::string::npos && std::strtoul(local.c_str() + colon + 1, nullptr, 16) == port)
-      fields >> inode;
+      fields >> inode, holder.user = user;
   }
   if (inode.empty()) return {};
-  std::string holder = "a program of user " + user;
   glob_t files{};
   glob("/proc/[0-9]*/fd/*", GLOB_NOSORT, nullptr, &files);
   for (std::size_t i = 0; i < files.gl_pathc; ++i) {
     const std::filesystem::path file = files.gl_pathv[i], process = file.parent_path().parent_path();
     std::error_code gone;
     if (std::filesystem::read_symlink(file, gone) != "socket:[" + inode + "]") continue;
-    std::getline(std::ifstream(process / "comm"), holder);
-    holder += ", process " + process.filename().string();
+    std::getline(std::ifstream(process / "comm"), holder.program);
+    holder.process = process.filename().string();
     break;
   }
   globfree(&files);
-  return " (it is " + holder + ")";
+  return holder;
 }
 
 }  // namespace lidard

@@ -46,8 +46,12 @@ std::map<IpAddress, std::string> read_neighbours();
 /// True if the kernel has a route to the address, direct or through a gateway.
 bool has_route_to(const IpAddress& address);
 
-/// The program that has bound a UDP port of this host: " (it is velodyne_node, process 4711)", or " (it is a
-/// program of user 1000)" if its process is not accessible; empty: not known. The call needs milliseconds.
-std::string holder_of_udp_port(std::uint16_t port);
+/// Who has bound a UDP port of this host, as far as known.
+struct PortHolder {
+  std::string user;              ///< its number; empty: not known
+  std::string program, process;  ///< name and number; empty: not accessible
+};
+/// The call needs milliseconds.
+PortHolder holder_of_udp_port(std::uint16_t port);
 
 }  // namespace lidard

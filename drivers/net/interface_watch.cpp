@@ -32,7 +32,7 @@ void drain(int fd) {
 InterfaceWatch::InterfaceWatch(boost::asio::io_context& io, std::function<void()> changed)
     : descriptor_(io), timer_(io), changed_(std::move(changed)) {}
 
-std::string InterfaceWatch::start() {
+int InterfaceWatch::start() {
   FileDescriptor fd(socket(AF_NETLINK, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, NETLINK_ROUTE));
   sockaddr_nl local{};
   local.nl_family = AF_NETLINK;
@@ -42,12 +42,10 @@ std::string InterfaceWatch::start() {
     error.assign(errno, boost::system::system_category());
   else
     descriptor_.assign(fd.get(), error);
-  if (error)
-    return "the kernel does not report changes of interfaces (" + error.message() +
-           "), so they are checked once per second; allow AF_NETLINK in the service's unit";
+  if (error) return error.value();
   fd.release();
   wait();
-  return {};
+  return 0;
 }
 
 void InterfaceWatch::stop() {

@@ -6,7 +6,6 @@
 #include <boost/asio/posix/stream_descriptor.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <functional>
-#include <string>
 
 namespace lidard {
 
@@ -16,8 +15,8 @@ class InterfaceWatch {
   /// `changed` is called from `io`, once for several changes at a time.
   InterfaceWatch(boost::asio::io_context& io, std::function<void()> changed);
 
-  /// Empty, or why the kernel does not report changes; then only timers find them.
-  std::string start();
+  /// 0, or the error (as errno) if the kernel does not report changes; then only timers find them.
+  int start();
   void stop();
 
  private:

@@ -17,7 +17,6 @@
 #include <ctime>
 #include <vector>
 
-#include "core/base/number_text.h"
 #include "drivers/net/wall_clock.h"
 
 namespace lidard {
@@ -80,48 +79,6 @@ ssize_t receive_bytes(int fd, std::uint8_t* to, std::size_t room, HostStamp& sta
   return got;
 }
 
-/// Why a connection could not be opened (`error` as errno has it), with the remedy.
-std::string why_not_connected(const Endpoint& device, int error) {
-  const std::string name = device.to_string();
-  switch (error) {
-    case ECONNREFUSED:
-      return name + " refuses the connection; is this the device's port, and does another program use the " +
-             "device already? it is tried again";
-    case ETIMEDOUT:
-    case EHOSTUNREACH:  // no answer to ARP
-    case EHOSTDOWN:
-      return name + " does not answer; check the device's power, cable and address, it is tried again";
-    case ENETUNREACH:
-    case ENETDOWN:
-      return name + " cannot be reached (" + std::strerror(error) +
-             "); check cable and this host's network address, it is tried again";
-    case EMFILE:
-    case ENFILE:
-      return std::string("no connection to ") + name + ": " + std::strerror(error) +
-             "; raise the limit of open files (LimitNOFILE of the unit), it is tried again";
-    default:
-      return "no connection to " + name + ": " + std::strerror(error) + "; it is tried again";
-  }
-}
-
-/// Why a connection ended; 0: the device closed it.
-std::string why_disconnected(const Endpoint& device, int error) {
-  const std::string name = device.to_string();
-  switch (error) {
-    case 0:
-      return name + " closed the connection; did it restart, or does another program use the device? " +
-             "the connection is opened again";
-    case ECONNRESET:
-    case EPIPE:
-      return name + " reset the connection; did it restart, or does another program use the device? " +
-             "the connection is opened again";
-    case ETIMEDOUT:
-      return name + " does not answer any more; check its power and cable, it is tried again";
-    default:
-      return "the connection to " + name + " broke: " + std::strerror(error) + "; it is opened again";
-  }
-}
-
 using boost::asio::ip::tcp;
 using Clock = std::chrono::steady_clock;
 
@@ -162,12 +119,12 @@ class TcpSource::Impl : public std::enable_shared_from_this<Impl> {
     state_ = {};
   }
 
-  void disconnect(bool again, const std::string& why) {
+  void disconnect(bool again) {
     if (state_.phase != TcpState::Phase::connected) {
       if (!again) stop();
       return;
     }
-    if (again) return abandon(why);
+    if (again) return abandon({TcpFault::Kind::dialogue_failed});
     stop();
     handlers_.disconnected();
   }
@@ -192,13 +149,13 @@ class TcpSource::Impl : public std::enable_shared_from_this<Impl> {
  private:
   void connect() {
     close();
-    state_.phase = TcpState::Phase::connecting;  // the message stays that of the last failure
+    state_.phase = TcpState::Phase::connecting;  // the fault stays that of the last failure
     ++stats_.attempts;
     attempt_began_ = Clock::now();
     const tcp::endpoint device = to_asio(options_.device);
     boost::system::error_code error;
     socket_.open(device.protocol(), error);
-    if (error) return fail(why_not_connected(options_.device, error.value()));
+    if (error) return fail({TcpFault::Kind::not_connected, error.value()});
     prepare_tcp_socket(socket_.native_handle());
     if (abandoned_port_ != 0) {
       socket_.set_option(tcp::socket::reuse_address(true), error);
@@ -208,11 +165,12 @@ class TcpSource::Impl : public std::enable_shared_from_this<Impl> {
                                    generation = generation_](const boost::system::error_code& failed) {
       if (generation != self->generation_) return;
       if (failed.value() == EADDRNOTAVAIL) self->abandoned_port_ = 0;
-      if (failed) return self->fail(why_not_connected(self->options_.device, failed.value()));
+      if (failed) return self->fail({TcpFault::Kind::not_connected, failed.value()});
       self->connected();
     });
-    at(attempt_began_ + options_.connect_time_out,
-       [](Impl& self) { self.fail(why_not_connected(self.options_.device, ETIMEDOUT)); });
+    at(attempt_began_ + options_.connect_time_out, [](Impl& self) {
+      self.fail({TcpFault::Kind::not_connected, ETIMEDOUT});
+    });
   }
 
   void connected() {
@@ -221,7 +179,7 @@ class TcpSource::Impl : public std::enable_shared_from_this<Impl> {
     local_ = from_asio(socket_.local_endpoint(error));
     abandoned_port_ = 0;
     ++stats_.connects;
-    state_ = {TcpState::Phase::connected, {}};
+    state_ = {TcpState::Phase::connected};
     connected_since_ = last_byte_ = Clock::now();
     fresh_ = true;
     timer_.cancel(error);
@@ -243,21 +201,21 @@ class TcpSource::Impl : public std::enable_shared_from_this<Impl> {
   }
 
   /// Ends the connection or attempt; with keep_up schedules the next one.
-  void fail(std::string message) {
+  void fail(const TcpFault& fault) {
     const bool was_connected = state_.phase == TcpState::Phase::connected;
     close();
-    state_ = {options_.keep_up ? TcpState::Phase::waiting : TcpState::Phase::stopped, std::move(message)};
+    state_ = {options_.keep_up ? TcpState::Phase::waiting : TcpState::Phase::stopped, fault};
     if (options_.keep_up) plan_retry();
     if (was_connected || !options_.keep_up) handlers_.disconnected();
   }
 
   /// Ends a connection that the device may keep for minutes while it refuses others. The next connection
   /// comes from the same port, which ends the old one (RFC 9293 3.5.1, half-open connections).
-  void abandon(std::string message) {
+  void abandon(const TcpFault& fault) {
     boost::system::error_code ignored;
     socket_.set_option(tcp::socket::linger(true, 0), ignored);
     abandoned_port_ = local_.port;
-    fail(std::move(message));
+    fail(fault);
   }
 
   void plan_retry() {
@@ -281,7 +239,7 @@ class TcpSource::Impl : public std::enable_shared_from_this<Impl> {
     socket_.async_wait(tcp::socket::wait_read,
                        [self = shared_from_this(), generation = generation_](const auto& error) {
                          if (generation != self->generation_) return;
-                         if (error) return self->fail(why_disconnected(self->options_.device, error.value()));
+                         if (error) return self->fail({TcpFault::Kind::ended, error.value()});
                          if (self->read(reads_per_wakeup)) self->wait_to_read();
                        });
   }
@@ -305,10 +263,10 @@ class TcpSource::Impl : public std::enable_shared_from_this<Impl> {
           receive_bytes(socket_.native_handle(), buffer_.data(), buffer_.size(), packet.received);
       if (got < 0 && (errno == EAGAIN || errno == EINTR)) return true;
       if (got <= 0) {
-        const int error = got == 0 ? 0 : errno;
+        TcpFault fault{TcpFault::Kind::ended, got == 0 ? 0 : errno};
         // Without keep_up it is no error that the device closes the connection.
-        std::string why = got == 0 && !options_.keep_up ? "" : why_disconnected(options_.device, error);
-        error == ETIMEDOUT ? abandon(std::move(why)) : fail(std::move(why));
+        if (got == 0 && !options_.keep_up) fault = {};
+        fault.error == ETIMEDOUT ? abandon(fault) : fail(fault);
         return false;
       }
       last_byte_ = Clock::now();
@@ -348,13 +306,11 @@ class TcpSource::Impl : public std::enable_shared_from_this<Impl> {
   void check_silence() {
     // This process may have been delayed: the bytes may be in the buffer.
     if (!read(1)) return;
-    if (peer_is_gone(socket_.native_handle())) return abandon(why_disconnected(options_.device, ETIMEDOUT));
+    if (peer_is_gone(socket_.native_handle())) return abandon({TcpFault::Kind::ended, ETIMEDOUT});
     const auto quiet = Clock::now() - last_byte_;
     if (options_.read_time_out <= Span(0) || quiet < options_.read_time_out) return watch_silence();
     ++stats_.silences;
-    abandon(options_.device.to_string() + " sent nothing for " +
-            printed("%.1f", seconds(options_.read_time_out)) +
-            " s; is it still starting, or has it lost power or cable? the connection is opened again");
+    abandon({TcpFault::Kind::silent, 0, options_.read_time_out});
   }
 
   TcpOptions options_;
@@ -383,7 +339,7 @@ TcpSource::~TcpSource() { impl_->stop(); }
 void TcpSource::start() { impl_->start(); }
 void TcpSource::stop() { impl_->stop(); }
 bool TcpSource::send(ByteView bytes) { return impl_->send(bytes); }
-void TcpSource::disconnect(bool again, const std::string& why) { impl_->disconnect(again, why); }
+void TcpSource::disconnect(bool again) { impl_->disconnect(again); }
 void TcpSource::interfaces_changed() { impl_->interfaces_changed(); }
 const TcpState& TcpSource::state() const { return impl_->state(); }
 const TcpStats& TcpSource::stats() const { return impl_->stats(); }

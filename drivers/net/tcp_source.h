@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <string>
 
 #include "drivers/driver.h"
 
@@ -39,6 +38,16 @@ struct TcpStats {
   std::uint64_t requests_dropped = 0;  ///< without a connection or room in the queue
 };
 
+/// Why there is no connection.
+struct TcpFault {
+  enum class Kind : std::uint8_t { none, not_connected, ended, silent, dialogue_failed };
+  Kind kind = Kind::none;
+  int error = 0;    ///< as errno; 0: the device closed the connection
+  Span silence{0};  ///< of a connection that ended by it
+
+  explicit operator bool() const { return kind != Kind::none; }
+};
+
 struct TcpState {
   enum class Phase : std::uint8_t {
     stopped,
@@ -47,7 +56,9 @@ struct TcpState {
     connected
   };
   Phase phase = Phase::stopped;
-  std::string message;  ///< what is wrong and the remedy; empty while connected
+  TcpFault fault{};  ///< none while connected; stays during the next attempt
+
+  bool is_first_attempt() const { return phase == Phase::connecting && !fault; }
 };
 
 /// Handlers of a TcpSource; called from its io_context, disconnected() also from disconnect().
@@ -60,8 +71,8 @@ struct TcpHandlers {
 
 /// A TCP connection to a device, with the kernel's arrival stamps.
 ///
-/// Never throws and never gives up: a connection that is refused, lost or silent becomes a state with a
-/// message and is retried, at the latest every `last_retry`. A peer that disappeared is detected by
+/// Never throws and never gives up: a connection that is refused, lost or silent becomes a state
+/// with its fault and is retried, at the latest every `last_retry`. A peer that disappeared is detected by
 /// `read_time_out` and, after 1.8 s, by an unanswered keep-alive of the kernel.
 class TcpSource {
  public:
@@ -76,7 +87,7 @@ class TcpSource {
   /// Sends or queues bytes. False: not connected, or no room.
   bool send(ByteView bytes);
   /// Ends the connection. `again`: opens a new one after the usual delay; otherwise the source stops.
-  void disconnect(bool again, const std::string& why);
+  void disconnect(bool again);
   /// Call after interfaces or addresses have changed: retries at once.
   void interfaces_changed();
 

@@ -79,6 +79,8 @@ void size_receive_buffer(int fd, const UdpOptions& options, UdpLimits& limits) {
   if (options.receive_buffer != 0 || limits.buffer_asked > current)
     set_option(fd, SOL_SOCKET, SO_RCVBUF, static_cast<int>(limits.buffer_asked));
   limits.buffer_got = static_cast<std::size_t>(get_option(fd, SOL_SOCKET, SO_RCVBUF)) / 2;
+  const double packets = static_cast<double>(limits.buffer_got) / buffer_bytes_per_packet;
+  limits.buffer_lasts = span_from_seconds(packets / std::max(1.0, options.packets_per_s));
 }
 
 ip_mreqn membership_of(const MulticastGroup& group) {
@@ -90,23 +92,6 @@ ip_mreqn membership_of(const MulticastGroup& group) {
   else
     request.imr_ifindex = static_cast<int>(if_nametoindex(group.interface.c_str()));
   return request;
-}
-
-std::string bind_error(const UdpOptions& options, int error) {
-  const std::string port = std::to_string(options.port);
-  switch (error) {
-    case EADDRINUSE:
-      return "port " + port + " is in use by another program; find it with `ss -lunp 'sport = :" + port +
-             "'`";
-    case EACCES:
-      return "this user may not open port " + port +
-             "; ports below 1024 need the capability cap_net_bind_service, or choose another port";
-    case EADDRNOTAVAIL:
-      return "no interface of this host has the address " + options.address.to_string() +
-             "; compare with `ip -4 address`, or listen on 0.0.0.0";
-    default:
-      return "cannot open UDP port " + port + ": " + std::strerror(error) + "; it is tried again";
-  }
 }
 
 }  // namespace
@@ -121,16 +106,18 @@ UdpLimits limit_socket(int fd, const UdpOptions& options) {
   return limits;
 }
 
-Expected<UdpSocket> open_udp_socket(const UdpOptions& options) {
+UdpSocket open_udp_socket(const UdpOptions& options) {
   UdpSocket s;
+  const auto failed = [&s] {
+    s.fault.error = errno;
+    return std::move(s);
+  };
   s.fd = FileDescriptor(socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   const int fd = s.fd.get();
-  if (fd < 0)
-    return Reason{std::string("cannot make a socket: ") + std::strerror(errno) + "; it is tried again"};
+  if (fd < 0) return failed();
   if (!set_option(fd, SOL_SOCKET, SO_TIMESTAMPNS, 1) || !set_option(fd, SOL_SOCKET, SO_RXQ_OVFL, 1) ||
       !set_option(fd, IPPROTO_IP, IP_PKTINFO, 1))
-    return Reason{std::string("the kernel gives no stamps or drop counters: ") + std::strerror(errno) +
-                  "; Linux 3.8 or later is needed"};
+    return failed();
   // Without this, datagrams of groups that other programs of this host joined are received too.
   set_option(fd, IPPROTO_IP, IP_MULTICAST_ALL, 0);
   if (options.share_port) set_option(fd, SOL_SOCKET, SO_REUSEADDR, 1);
@@ -140,8 +127,7 @@ Expected<UdpSocket> open_udp_socket(const UdpOptions& options) {
   local.sin_port = htons(options.port);
   local.sin_addr = to_in_addr(options.address);
   socklen_t size = sizeof local;
-  if (bind(fd, reinterpret_cast<const sockaddr*>(&local), size) != 0)
-    return Reason{bind_error(options, errno)};
+  if (bind(fd, reinterpret_cast<const sockaddr*>(&local), size) != 0) return failed();
   getsockname(fd, reinterpret_cast<sockaddr*>(&local), &size);
   s.port = ntohs(local.sin_port);
   return s;
@@ -157,34 +143,11 @@ int join_group(int fd, const MulticastGroup& group) {
   return set_option(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, request) || errno == EADDRINUSE ? 0 : errno;
 }
 
-std::string why_not_joined(const MulticastGroup& group, int error) {
-  const std::string what = "cannot join the multicast group " + group.group.to_string();
-  if (error == ENXIO)
-    return what + ": there is no interface " + group.interface +
-           "; compare with `ip link`, it is joined as soon as there is one";
-  if (error == ENODEV && !group.interface.empty())
-    return what + ": no interface has the address " + group.interface +
-           "; compare with `ip -4 address`, it is joined as soon as one has";
-  if (error == ENODEV)
-    return what + ": no interface leads to it; name the sensor's interface, or add a route for 224.0.0.0/4";
-  return what + ": " + std::strerror(error) + "; it is tried again";
-}
-
 bool receive_buffer_is_filling(int fd) {
   std::array<std::uint32_t, SK_MEMINFO_VARS> info{};
   socklen_t size = sizeof info;
   if (getsockopt(fd, SOL_SOCKET, SO_MEMINFO, info.data(), &size) != 0) return true;
   return info[SK_MEMINFO_RMEM_ALLOC] > info[SK_MEMINFO_RCVBUF] / 2;
-}
-
-std::string buffer_warning(const UdpLimits& limits, const UdpOptions& options) {
-  if (limits.buffer_got >= limits.buffer_asked) return {};
-  const double packets = static_cast<double>(limits.buffer_got) / buffer_bytes_per_packet;
-  const int stall_ms = static_cast<int>(1000 * packets / std::max(1.0, options.packets_per_s));
-  return "the receive buffer of port " + std::to_string(options.port) + " has " +
-         std::to_string(limits.buffer_got) + " bytes instead of " + std::to_string(limits.buffer_asked) +
-         ", so packets are lost when the machine is busy for more than " + std::to_string(stall_ms) +
-         " ms; run `sysctl -w net.core.rmem_max=" + std::to_string(limits.buffer_asked) + "`";
 }
 
 struct DatagramBatch::Storage {

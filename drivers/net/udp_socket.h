@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "core/base/expected.h"
 #include "drivers/driver.h"
 #include "drivers/file_descriptor.h"
+#include "drivers/net/host_network.h"
 
 namespace lidard {
 
@@ -40,10 +40,20 @@ struct UdpOptions {
   bool share_port = false;  ///< let other programs receive the same broadcasts and multicasts
 };
 
+/// Why a port does not receive, or not all.
+struct UdpFault {
+  int error = 0;           ///< as errno; 0: no fault
+  MulticastGroup group{};  ///< that was not joined; else the port could not be opened or read
+  PortHolder holder{};     ///< of a port in use
+
+  explicit operator bool() const { return error != 0; }
+};
+
 /// The limits in force of a socket.
 struct UdpLimits {
   bool filtered = false;  ///< the kernel drops datagrams of other senders
   std::size_t buffer_asked = 0, buffer_got = 0;
+  Span buffer_lasts{0};  ///< until it is full, while nobody reads
 };
 
 /// A bound socket with stamps, drop counter, sender filter and receive buffer in place.
@@ -51,15 +61,14 @@ struct UdpSocket {
   FileDescriptor fd;
   std::uint16_t port = 0;
   UdpLimits limits;
+  UdpFault fault;  ///< none: it is open
 };
 
-Expected<UdpSocket> open_udp_socket(const UdpOptions& options);
+UdpSocket open_udp_socket(const UdpOptions& options);
 
 /// Joins the group (again); returns 0 or errno. Repeated calls are harmless and restore a membership that was
 /// lost with its interface. ENOBUFS: the limit of memberships, lost ones included, is reached.
 int join_group(int fd, const MulticastGroup& group);
-/// The message for an error of join_group(), with the remedy.
-std::string why_not_joined(const MulticastGroup& group, int error);
 
 /// Ends a membership, if there is one.
 void leave_group(int fd, const MulticastGroup& group);
@@ -69,9 +78,6 @@ UdpLimits limit_socket(int fd, const UdpOptions& options);
 
 /// True if more than half of the receive buffer is occupied.
 bool receive_buffer_is_filling(int fd);
-
-/// The warning for a buffer smaller than requested; empty if it is large enough.
-std::string buffer_warning(const UdpLimits& limits, const UdpOptions& options);
 
 /// One receiving system call for up to 32 datagrams; its memory is allocated once.
 class DatagramBatch {

@@ -8,7 +8,6 @@
 #include <boost/asio/steady_timer.hpp>
 #include <cerrno>
 #include <chrono>
-#include <cstring>
 
 #include "drivers/net/host_network.h"
 #include "drivers/net/udp_socket.h"
@@ -83,17 +82,18 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
 
   const UdpState& state() const { return state_; }
   const UdpStats& stats() const { return stats_; }
-  const std::string& warning() const { return warning_; }
   std::uint16_t local_port() const { return port_; }
 
  private:
   void open() {
-    auto opened = open_udp_socket(options_);
-    // Not at each attempt: the search reads files of every process.
-    if (!opened && attempts_++ % 16 == 0) holder_ = holder_of_udp_port(options_.port);
-    if (!opened) return fail(opened.reason() + holder_);
+    UdpSocket socket = open_udp_socket(options_);
+    if (socket.fault) {
+      // Not at each attempt: the search reads files of every process.
+      if (attempts_++ % 16 == 0) holder_ = holder_of_udp_port(options_.port);
+      socket.fault.holder = holder_;
+      return fail(std::move(socket.fault));
+    }
     attempts_ = 0;
-    UdpSocket& socket = opened.value();
     socket_ = std::move(socket.fd);
     port_ = socket.port;
     drops_ = 0;
@@ -108,7 +108,7 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
     filtered_ = limits.filtered;
     stats_.receive_buffer_asked = limits.buffer_asked;
     stats_.receive_buffer_got = limits.buffer_got;
-    warning_ = buffer_warning(limits, options_);
+    stats_.receive_buffer_lasts = limits.buffer_lasts;
   }
 
   void close() {
@@ -122,12 +122,14 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
   }
 
   void join_groups(bool new_socket = false) {
-    state_ = {UdpState::Phase::receiving, {}};
+    state_ = {UdpState::Phase::receiving};
     for (const MulticastGroup& group : options_.groups) {
       const int error = join_group(socket_.get(), group);
+      if (error == 0) continue;
+      UdpFault fault{error, group};
       // Only a new socket is free of the memberships of removed interfaces.
-      if (error == ENOBUFS && !new_socket) return fail(why_not_joined(group, error));
-      if (error != 0) state_ = {UdpState::Phase::partial, why_not_joined(group, error)};
+      if (error == ENOBUFS && !new_socket) return fail(std::move(fault));
+      state_ = {UdpState::Phase::partial, std::move(fault)};
     }
     if (options_.groups.empty()) return;
     const bool joined = state_.phase == UdpState::Phase::receiving;
@@ -135,9 +137,9 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
     after(joined ? membership_check : next_retry(), [](Impl& self) { self.join_groups(); });
   }
 
-  void fail(std::string message) {
+  void fail(UdpFault fault) {
     close();
-    state_ = {UdpState::Phase::waiting, std::move(message)};
+    state_ = {UdpState::Phase::waiting, std::move(fault)};
     after(next_retry(), [](Impl& self) { self.open(); });
   }
 
@@ -154,11 +156,11 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
     if (busy_) return wait_for(busy_period);
     boost::system::error_code error;
     if (!descriptor_.is_open()) descriptor_.assign(socket_.get(), error);
-    if (error) return fail_to_wait(error);
+    if (error) return fail({error.value()});
     descriptor_.async_wait(boost::asio::posix::stream_descriptor::wait_read,
                            [self = shared_from_this(), generation = generation_](const auto& failure) {
                              if (generation != self->generation_) return;
-                             failure ? self->fail_to_wait(failure) : self->readable();
+                             failure ? self->fail({failure.value()}) : self->readable();
                            });
   }
 
@@ -167,10 +169,6 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
     busy_timer_.async_wait([self = shared_from_this(), generation = generation_](const auto& error) {
       if (!error && generation == self->generation_) self->readable();
     });
-  }
-
-  void fail_to_wait(const boost::system::error_code& error) {
-    fail("cannot wait for the socket: " + error.message() + "; it is tried again");
   }
 
   void readable() {
@@ -189,8 +187,7 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
     const std::uint64_t generation = generation_;
     if (filtered_ && receive_buffer_is_filling(fd)) filling_seen_ = wall_clock();
     const int count = batch_.receive(fd);
-    if (count < 0 && errno != EAGAIN && errno != EINTR)
-      fail(std::string("cannot receive: ") + std::strerror(errno) + "; the port is opened again");
+    if (count < 0 && errno != EAGAIN && errno != EINTR) fail({errno});
     packets_.clear();
     for (int i = 0; i < count; ++i) add(batch_[static_cast<std::size_t>(i)]);
     if (!packets_.empty()) handler_(packets_);
@@ -258,11 +255,10 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
   std::vector<Packet> packets_;  // of a batch
   UdpState state_;
   UdpStats stats_;
-  std::string warning_;
   std::uint16_t port_ = 0;
   std::chrono::milliseconds retry_ = first_retry;
   unsigned attempts_ = 0;  // to open the port, that failed in a row
-  std::string holder_;     // the program that has the port
+  PortHolder holder_;      // of the port
   // Identifies the socket, so that queued handlers of a closed socket return.
   std::uint64_t generation_ = 0;
   bool filtered_ = false;
@@ -284,7 +280,6 @@ void UdpSource::interfaces_changed() { impl_->interfaces_changed(); }
 void UdpSource::configure(UdpOptions options) { impl_->configure(std::move(options)); }
 const UdpState& UdpSource::state() const { return impl_->state(); }
 const UdpStats& UdpSource::stats() const { return impl_->stats(); }
-const std::string& UdpSource::warning() const { return impl_->warning(); }
 std::uint16_t UdpSource::local_port() const { return impl_->local_port(); }
 
 }  // namespace lidard

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <string>
 #include <vector>
 
 #include "drivers/driver.h"
@@ -26,6 +25,7 @@ struct UdpStats {
   std::uint64_t unknown_sampled = 0;   ///< from other senders and passed on as samples, 1 of 64
   std::uint64_t unknown_filtered = 0;  ///< from other senders and dropped by the kernel
   std::size_t receive_buffer_asked = 0, receive_buffer_got = 0;  ///< bytes, as in SO_RCVBUF
+  Span receive_buffer_lasts{0};                                  ///< until it is full, while nobody reads
   std::uint64_t wakeups = 0;                                     ///< number of reads of the port
 };
 
@@ -37,7 +37,7 @@ struct UdpState {
     receiving
   };
   Phase phase = Phase::stopped;
-  std::string message;  ///< what is wrong and the remedy; empty while receiving
+  UdpFault fault{};  ///< none while receiving
 };
 
 /// Receives datagrams from any number of senders on one local port, with the kernel's arrival stamps. A quiet
@@ -45,7 +45,7 @@ struct UdpState {
 /// waking for every datagram costs more than reading it.
 ///
 /// Never throws and never gives up: an error of the system (port in use, no such interface, ...) becomes a
-/// state with a message and is retried after 0.1 s, later up to 1 s.
+/// state with its fault and is retried after 0.1 s, later up to 1 s.
 class UdpSource {
  public:
   /// Gets the datagrams of one system call, in order; it may change them.
@@ -71,8 +71,6 @@ class UdpSource {
 
   const UdpState& state() const;
   const UdpStats& stats() const;
-  /// A warning if the receive buffer is smaller than requested, else empty.
-  const std::string& warning() const;
   /// The bound port; 0: none.
   std::uint16_t local_port() const;
 

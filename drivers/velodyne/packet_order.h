@@ -279,7 +279,7 @@ class PacketOrder {
     last_us_ = us;
     last_arrival_ = packet.arrival;
     remember(packet);
-    if (packet.other_product) ++counters_.lying_packets;
+    if (packet.other_product) ++counters_.wrong_product;
     use(packet, time_);
   }
 

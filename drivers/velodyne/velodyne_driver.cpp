@@ -39,7 +39,7 @@ class VelodyneDriver final : public DriverBase {
         telemetry_(config) {
     if (row_.bank_by_bank && config.calibration == nullptr) {
       info_.warnings.emplace_back(no_calibration);
-      info_.from_configuration = 1;
+      info_.from_configuration = no_calibration;
     }
     if (config.control) web_.emplace(*web_control(config));
   }

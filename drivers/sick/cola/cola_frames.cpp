@@ -285,7 +285,7 @@ void ColaCloudBuilder::append_return(const ColaChannel& distance, const ColaChan
   const bool has_rssi = rssi != nullptr && rssi->values.size() > beam;
   point.intensity = has_rssi ? static_cast<float>(rssi->value(beam)) : 0;
   point.ring = ring;
-  // A clock that was set within a frame may place a plane before the first one.
+  // A clock that was set within a frame may put a plane before the first one.
   point.time = std::max(0.0F, static_cast<float>(seconds(fired - cloud_.stamp)));
   const auto* bytes = reinterpret_cast<const std::uint8_t*>(&point);
   cloud_.points_bytes.insert(cloud_.points_bytes.end(), bytes, bytes + sizeof point);

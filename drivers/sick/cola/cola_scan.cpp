@@ -163,8 +163,8 @@ Reject read_compensation(Reader in, bool wide, ColaAngleCompensation& out) {
   return std::max(std::abs(out.amplitude_deg), std::abs(out.offset_deg)) > 5 ? Reject::field : Reject::none;
 }
 
-/// Skips the infringed places: 15 bytes per cut-off segment (recorded from an LMS511). Two more lists follow;
-/// no entry of them was recorded.
+/// Skips the infringed positions: 15 bytes per cut-off segment (recorded from an LMS511). Two more lists
+/// follow; no entry of them was recorded.
 template <class Reader>
 Reject skip_infringements(Reader& in) {
   const std::size_t segments = in.u16();

@@ -14,7 +14,7 @@ namespace {
 
 /// After this silence another device is accepted.
 constexpr Span silence = std::chrono::seconds(1);
-/// A warning of another device that sends to the same place stays for so long.
+/// A warning of another device that sends to the same port stays for so long.
 constexpr Span rival_memory = std::chrono::seconds(10);
 /// Device times farther apart are from two clocks, or a clock was set.
 constexpr std::uint64_t one_clock_us = 2'000'000;
@@ -190,7 +190,7 @@ class CompactDriver final : public DriverBase {
     }
     std::size_t slot = 0;
     const auto release = [&](std::size_t done) { end_frame(done, false, out); };
-    const Reject reason = frames_.place(segment_, slot, release);
+    const Reject reason = frames_.assign(segment_, slot, release);
     if (reason != Reject::none) return reason;
     if (frames_.frame(slot).telegrams == 1) builder_->begin(slot);
     builder_->add(slot, segment_, static_cast<std::uint32_t>(counters_.packets - 1));

@@ -39,7 +39,7 @@ class OpenFrames {
   /// The slot of the frame that `segment` belongs to. Before, `release(slot)` is called for frames that must
   /// make room, oldest first.
   template <class Release>
-  Reject place(const Segment& segment, std::size_t& slot, Release&& release) {
+  Reject assign(const Segment& segment, std::size_t& slot, Release&& release) {
     if (segment.index >= max_segments) return Reject::field;
     if (released_any_ && segment.frame <= released_number_) {
       note_late(segment);

@@ -44,7 +44,7 @@ class RasterScan {
   static constexpr std::uint8_t echo_memory = 50;
   /// Starts with all beams unobserved; allocates only when the raster or the number of echoes grows.
   void begin(const RasterGrid& grid, std::size_t echoes, float range_min, float range_max);
-  /// Places the beams of a segment's line and sets `had_echo` (as long as the raster) of beams with an echo
+  /// Adds the beams of a segment's line and sets `had_echo` (as long as the raster) of beams with an echo
   /// to echo_memory. Returns the number of beams that lie a quarter step or more beside the raster.
   std::size_t add(const SegmentLine& line, std::vector<std::uint8_t>& had_echo);
 

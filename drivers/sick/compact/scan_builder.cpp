@@ -104,7 +104,7 @@ class ScanBuilder final : public FrameBuilder {
     }
     window_segments_ = segments;
     window_ = found;
-    // Else the angles would depend on which segment came first, by a unit in the last place.
+    // Else the angles would depend on which segment came first, by a unit in the last digit.
     grid_ = raster.grid();
     first_segment_ = raster.first_segment();
     last_segment_ = raster.last_segment();

@@ -224,7 +224,7 @@ Reject Ms3Reassembler::add(const Packet& packet, Instance& complete) {
   if (slot == nullptr) slot = &claim(key, datagram.total, packet.arrival);
   if (slot->bytes.size() != datagram.total) return Reject::field;
   slot->first_arrival = std::min(slot->first_arrival, packet.arrival);
-  if (!place(*slot, datagram)) return Reject::duplicate;
+  if (!store(*slot, datagram)) return Reject::duplicate;
   if (slot->covered < slot->bytes.size()) return Reject::none;
   give_up_older_than(*slot, packet.arrival);
   remember(key, true, packet.arrival);
@@ -235,7 +235,7 @@ Reject Ms3Reassembler::add(const Packet& packet, Instance& complete) {
 }
 
 /// Stores a datagram's bytes; false if none was new.
-bool Ms3Reassembler::place(Slot& slot, const Ms3Datagram& datagram) {
+bool Ms3Reassembler::store(Slot& slot, const Ms3Datagram& datagram) {
   const std::size_t before = slot.covered;
   for (std::size_t i = 0; i < datagram.data.size(); ++i) {
     const std::size_t at = datagram.offset + i;

@@ -138,7 +138,7 @@ inline BeamStatus status_of(Ms3Beam beam) {
   return beam.is(ms3_beam::valid) ? BeamStatus::hit : BeamStatus::invalid;
 }
 
-/// One datagram of the safety scanners' data output, with its place in the instance.
+/// One datagram of the safety scanners' data output, with its position in the instance.
 struct Ms3Datagram {
   std::uint32_t total = 0;           ///< bytes of the instance
   std::uint32_t identification = 0;  ///< equal in all datagrams of an instance
@@ -215,7 +215,7 @@ class Ms3Reassembler {
   void remember(const Key& key, bool complete, Stamp at);
   void give_up(Slot& slot, Stamp now);
   void give_up_older_than(const Slot& done, Stamp now);
-  static bool place(Slot& slot, const Ms3Datagram& datagram);
+  static bool store(Slot& slot, const Ms3Datagram& datagram);
 
   Counters& counters_;
   Span patience_ = std::chrono::milliseconds(200);

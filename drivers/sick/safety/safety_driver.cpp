@@ -15,7 +15,7 @@ namespace {
 
 /// After such a silence another device or channel is accepted, and sequence numbers may start again.
 constexpr Span silence = std::chrono::seconds(1);
-/// A warning of another device that sends to the same place stays for so long.
+/// A warning of another device that sends to the same port stays for so long.
 constexpr Span rival_memory = std::chrono::seconds(10);
 /// Data sets at most this late were overtaken; older ones are a restart of the device.
 constexpr std::int32_t overtaking_limit = 16;

@@ -188,7 +188,7 @@ class NoConnections final : public DeviceConnections {
   void send(std::size_t, ByteView) override {}
   Stamp now() const override { return {}; }
   void disconnect(std::size_t, bool) override {}
-  std::string trouble(std::size_t) const override { return {}; }
+  ConnectionStatus status(std::size_t) const override { return {}; }
 };
 
 TEST(SensorHealth, PacketsOfOneArrivalAreThoseOfACaptureOrWaitedForTheDaemon) {

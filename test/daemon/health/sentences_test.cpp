@@ -102,7 +102,7 @@ TEST(Sentences, OfASilentSensor) {
   SensorState state;
   state.report.last_arrival = instant - std::chrono::seconds(1);
   EXPECT_THAT(state.says(), AllOf(Says(says::silent), Says(says::nothing_received)));
-  state.report.connection_hint = "a firewall";
+  state.report.connection.port.error = EACCES;
   EXPECT_THAT(state.says(), AllOf(Says(says::silent), Says(says::nothing_because)));
   UnknownSenders others;
   Packet packet;
@@ -184,7 +184,7 @@ TEST(Sentences, OfAnOutput) {
   state.status.merge->sources[0].lasting = SourceState::lost;
   EXPECT_THAT(state.says(), Says(says::sources_lost));
   EXPECT_EQ(state.item().health, Health::error);
-  state.status.counters.no_pose = 1;
+  state.status.counters.count_no_pose(instant);
   state.status.counters.why_no_pose = "no tf";
   EXPECT_THAT(state.says(), Says(says::published_without));
   EXPECT_EQ(state.item().health, Health::error);

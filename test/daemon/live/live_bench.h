@@ -31,7 +31,7 @@ struct LiveBench {
                      [this](std::size_t sensor, HostStamp at) { pipeline.connected(sensor, {at.ns}); },
                      [this](std::size_t sensor) { pipeline.disconnected(sensor); },
                      [this](std::size_t sensor) { return pipeline.frames(sensor); },
-                     [this](std::size_t) { return host_trouble; }},
+                     [this](std::size_t) { return host; }},
                     options),
         ports(io, config, [this](std::vector<Packet>& packets) {
           for (Packet& packet : packets) {
@@ -72,7 +72,7 @@ struct LiveBench {
   /// What else happens while time passes.
   virtual void meanwhile() {}
 
-  std::string host_trouble;  // what HostCauses would find
+  ConnectionStatus host;  // what HostCauses would find
   boost::asio::io_context io;
   NoTransforms poses;
   RecordingSink sink{false};

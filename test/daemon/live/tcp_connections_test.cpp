@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "daemon/health/network_health.h"
 #include "daemon/offline/no_transforms.h"
 #include "test/daemon/live/live_bench.h"
 #include "test/support/ros_master.h"
@@ -55,7 +56,7 @@ TEST(TcpConnections, CarryADialogueAndAStreamToFrames) {
   EXPECT_EQ(t.b.message(0), "connected");
   const auto report = t.b.pipeline.status(t.b.pipeline.now()).sensors;
   EXPECT_TRUE(report[0].seen);
-  EXPECT_EQ(report[0].connection_trouble, "");
+  EXPECT_FALSE(report[0].connection.tcp.fault);
 }
 
 TEST(TcpConnections, SayWhyThereIsNoConnectionInTheSensorsDiagnosticsToo) {
@@ -64,7 +65,7 @@ TEST(TcpConnections, SayWhyThereIsNoConnectionInTheSensorsDiagnosticsToo) {
   t.peer.stop_listening();
   t.peer.close_client();
   ASSERT_TRUE(t.b.until(
-      [&] { return !t.b.pipeline.status(t.b.pipeline.now()).sensors[0].connection_trouble.empty(); }));
+      [&] { return bool(t.b.pipeline.status(t.b.pipeline.now()).sensors[0].connection.tcp.fault); }));
   t.b.run(milliseconds(300));
   EXPECT_THAT(t.b.message(0), HasSubstr("refuses the connection"));
   EXPECT_EQ(t.b.items().at(0).is_up, false);
@@ -76,10 +77,15 @@ TEST(TcpConnections, SayWhyThereIsNoConnectionInTheSensorsDiagnosticsToo) {
 TEST(TcpConnections, NameWhatIsWrongWithThisHostBeforeTheConnectionBreaks) {
   TcpBench t;
   ASSERT_TRUE(t.b.until([&] { return t.b.driver.dialogues == 1 && t.peer.accept(); }));
-  EXPECT_EQ(t.b.connections.trouble(0), "");
-  t.b.host_trouble = "lidar0 has no link";
+  const SensorConfig sensor = t.config().sensors[0];
+  EXPECT_EQ(why_unreachable(t.b.connections.status(0), sensor), "");
+  t.b.host.network.emplace().interfaces = {{"lidar0", this_host, 24, true, false}};
   EXPECT_EQ(t.b.message(0), "connected") << "TCP notices it a second later";
-  EXPECT_EQ(t.b.connections.trouble(0), "lidar0 has no link");
+  EXPECT_THAT(why_unreachable(t.b.connections.status(0), sensor), test::Says(says::no_link));
+  t.peer.stop_listening();
+  t.peer.close_client();
+  ASSERT_TRUE(t.b.until([&] { return bool(t.b.connections.status(0).tcp.fault); }));
+  EXPECT_THAT(why_unreachable(t.b.connections.status(0), sensor), test::Says(says::no_link));
 }
 
 TEST(TcpConnections, SayThatADialogueThatFailedIsBegunAgain) {

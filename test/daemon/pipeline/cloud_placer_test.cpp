@@ -83,7 +83,7 @@ struct Demo {
     print_verdicts(pipeline.status(pipeline.now()).sensors, verdicts);
   }
   const std::vector<Cloud>& clouds() { return sink.clouds["roof/points"]; }
-  const DiagnosticItem& told() { return sink.item("sensor roof"); }
+  const DiagnosticItem& item() { return sink.item("sensor roof"); }
 
   TrueWay way;
   test::RecordingSink sink;
@@ -94,7 +94,7 @@ struct Demo {
 Eigen::Vector3d place_of(const CloudPoint& p) { return Eigen::Vector3f(p.x, p.y, p.z).cast<double>(); }
 
 /// The greatest distance, m, of a return from where it truly was: where `raw` has it, taken along the way to
-/// the frame that `frame_from_odom` tells for the stamp of a message.
+/// the frame that `frame_from_odom` gives for the stamp of a message.
 template <class FrameFromOdom>
 double worst_error(Demo& placed, Demo& raw, FrameFromOdom frame_from_odom) {
   double worst = 0;
@@ -126,8 +126,8 @@ TEST(CloudPlacer, ADeskewedCloudShowsTheInstantOfItsStamp) {
     const auto lidar_from_odom = [&](Stamp at) { return (raw.way.at(at) * mount).inverse(); };
     EXPECT_LT(worst_error(deskewed, raw, lidar_from_odom), 0.005) << stamp;
     EXPECT_GT(worst_error(raw, raw, lidar_from_odom), 0.2) << "what is not deskewed is seen to be wrong";
-    EXPECT_EQ(deskewed.told().health, Health::ok) << deskewed.told().message;
-    EXPECT_EQ(test::value_of(deskewed.told(), "Not deskewed"), "0");
+    EXPECT_EQ(deskewed.item().health, Health::ok) << deskewed.item().message;
+    EXPECT_EQ(test::value_of(deskewed.item(), "Not deskewed"), "0");
     // Virtual scans are brought to one instant by themselves.
     ASSERT_EQ(deskewed.sink.scans["v"].size(), raw.sink.scans["v"].size());
     for (std::size_t i = 0; i < raw.sink.scans["v"].size(); ++i)
@@ -139,7 +139,7 @@ TEST(CloudPlacer, InAFrameThatStandsStillEveryReturnIsWhereItWas) {
   Demo raw(", frame_stamp: last");
   Demo placed(", frame_stamp: last, points_frame: odom, deskew: true", ms(45));
   ASSERT_EQ(placed.clouds().size() + 1, raw.clouds().size()) << "all but the last one's pose come in time";
-  EXPECT_EQ(test::value_of(placed.told(), "Left out for want of poses"), "0");
+  EXPECT_EQ(test::value_of(placed.item(), "Left out without poses"), "0");
   EXPECT_THAT(placed.verdicts.str(), HasSubstr("WARN roof: 1 cloud not published"));
   EXPECT_EQ(placed.clouds()[3].frame_id, "odom");
   EXPECT_LT(worst_error(placed, raw, [](Stamp) { return Pose::Identity(); }), 0.005);
@@ -169,14 +169,14 @@ TEST(CloudPlacer, PosesThatDoNotComeAreToldAndCounted) {
   Demo standing(", deskew: true", ms(5000));
   ASSERT_EQ(standing.clouds().size(), raw.clouds().size()) << "clouds go on";
   EXPECT_EQ(standing.clouds()[5].points_bytes, raw.clouds()[5].points_bytes);
-  EXPECT_EQ(standing.told().health, Health::warn);
-  EXPECT_THAT(standing.told().message, test::Says(says::as_if_it_stood));
+  EXPECT_EQ(standing.item().health, Health::warn);
+  EXPECT_THAT(standing.item().message, test::Says(says::as_if_it_stood));
   EXPECT_THAT(standing.verdicts.str(),
               HasSubstr("WARN roof: " + std::to_string(raw.clouds().size()) + " clouds not deskewed"));
   Demo nowhere(", points_frame: odom", ms(5000));
   EXPECT_TRUE(nowhere.clouds().empty());
-  EXPECT_EQ(nowhere.told().health, Health::warn);
-  EXPECT_THAT(nowhere.told().message, HasSubstr("not published in odom: odom at that time is not known yet"));
+  EXPECT_EQ(nowhere.item().health, Health::warn);
+  EXPECT_THAT(nowhere.item().message, HasSubstr("not published in odom: odom at that time is not known yet"));
   EXPECT_THAT(nowhere.remark, HasSubstr("not published in odom"));
   EXPECT_EQ(standing.remark, "");
   EXPECT_THAT(nowhere.verdicts.str(),

@@ -137,7 +137,7 @@ TEST(MergedScanMaker, CountsOutputsThatAreLeftOutForWantOfPoses) {
   }
   const Stamp now = bench_begin + ms(500);
   EXPECT_EQ(bench.sink.count("m"), 0U);
-  EXPECT_EQ(bench.value("merged m", "Left out for want of poses", now), "5");
+  EXPECT_EQ(bench.value("merged m", "Left out without poses", now), "5");
   EXPECT_EQ(bench.value("merged m", "Motion", now), "no poses yet");
   EXPECT_EQ(why_missing(bench.pipeline, "m"),
             "no output: on_missing_motion: drop, and poses of the vehicle are missing; see that odometry is "

@@ -395,5 +395,26 @@ TEST(MergedScanMaker, ASweepWithoutAPlaceIsCountedAndItsSourceNamed) {
   EXPECT_EQ(bench.value("merged m", "Inputs without pose", bench_begin + ms(300)), "3");
 }
 
+TEST(MergedScanMaker, AReasonThatIsOverIsNotNamedAndAnotherOneIs) {
+  PipelineBench bench(
+      "sensors: {a: {topic: /a}, b: {topic: /b, pose: {xyz: [0, 0, 0]}}}\n"
+      "merged_scans: {m: {laserscan_topics: [a, b], beams: 360, range_max: 20}}\n");
+  Stamp now = bench_begin;
+  const auto after = [&](Span time, const std::string& frame_of_a) {
+    for (const Stamp end = now + time; now < end; now = now + ms(100)) {
+      if (!frame_of_a.empty()) bench.give("a", round_scan(frame_of_a, now), now);
+      bench.give("b", round_scan("b", now), now);
+      bench.pipeline.tick(now);
+    }
+    return bench.item("merged m", now).message;
+  };
+  const Span some = std::chrono::seconds(8);
+  EXPECT_EQ(after(some, "a"), "publishing without a: no tf from a to base_link");
+  bench.tf.set("base_link", "a", Pose::Identity());
+  EXPECT_EQ(after(some, "a"), "publishing");
+  EXPECT_EQ(after(some, ""), "publishing without a; see the state of its sensors") << "its pose was found";
+  EXPECT_EQ(after(some, "a2"), "publishing without a: no tf from a2 to base_link");
+}
+
 }  // namespace
 }  // namespace lidard

@@ -9,6 +9,7 @@
 #include "drivers/registry/registry.h"
 #include "test/daemon/pipeline/line_driver.h"
 #include "test/support/pipeline_bench.h"
+#include "test/support/says.h"
 
 namespace lidard {
 namespace {
@@ -121,10 +122,16 @@ TEST(Silence, FromTheStartIsAnErrorUnlessAllHasJustBegun) {
   sample.report.starting = true;
   EXPECT_EQ(sample.after(0).health, Health::ok);
   EXPECT_EQ(sample.after(0).message, "waiting for data from 192.168.1.201 to port 2368");
-  sample.report.connection_trouble = "connection refused";
+  TcpState& tcp = sample.report.connection.tcp;
+  tcp = {TcpState::Phase::waiting, {TcpFault::Kind::not_connected, ECONNREFUSED}};
   EXPECT_EQ(sample.after(0).health, Health::error) << "an attempt that failed needs no patience";
-  sample.report.connection_trouble = first_attempt;
+  tcp = {TcpState::Phase::connecting};
   EXPECT_EQ(sample.after(0).health, Health::ok);
+  tcp.fault.kind = TcpFault::Kind::not_connected;
+  EXPECT_EQ(sample.after(0).health, Health::error) << "the next attempt";
+  tcp = {TcpState::Phase::connecting};
+  sample.report.connection.port.error = EACCES;
+  EXPECT_EQ(sample.after(0).health, Health::error) << "its port cannot be opened";
 }
 
 TEST(Silence, OfAnEmptyCaptureIsNoTelemetry) {
@@ -137,12 +144,18 @@ TEST(Silence, OfAnEmptyCaptureIsNoTelemetry) {
 TEST(Silence, NamesItsCauseAsFarAsItIsKnown) {
   Sample sample;
   const auto message = [&] { return sample.after(1001).message; };
-  sample.report.connection_hint = "perhaps a firewall";
-  EXPECT_THAT(message(), testing::EndsWith("to port 2368: perhaps a firewall"));
+  HostCounts& counts = sample.report.connection.counts.emplace();
+  counts.time_s = 1, counts.now.dropped_by_path = 754;
+  EXPECT_THAT(message(), HasSubstr("to port 2368: the reverse path filter of this host drops 754 packets/s"));
   sample.report.info.warnings = {"first", "the device says so"};
   EXPECT_THAT(message(), testing::EndsWith("to port 2368: first. the device says so"));
-  sample.report.connection_trouble = "lidar0 has no link";
-  EXPECT_THAT(message(), testing::EndsWith("to port 2368: lidar0 has no link"));
+  HostNetwork& network = sample.report.connection.network.emplace();
+  network.interfaces = {{"lidar0", IpAddress::v4(192, 168, 1, 100), 24, true, false}};
+  EXPECT_THAT(message(), AllOf(HasSubstr("to port 2368: lidar0 (192.168.1.100/24) has no link"),
+                               test::Says(says::besides)));
+  counts = {};
+  EXPECT_THAT(message(),
+              testing::EndsWith("has no link; check the cable, the switch and the sensor's power"));
   sample.stray(IpAddress::v4(192, 168, 1, 9), 23680, 9);
   sample.stray(IpAddress::v4(192, 168, 1, 7), 2368, 3);
   EXPECT_THAT(message(),

@@ -43,7 +43,7 @@ class LiveDriver final : public DriverBench {
   }
 
   void request(ByteView bytes) override { source->send(bytes); }
-  void disconnect(bool again) override { source->disconnect(again, "the sensor does not answer"); }
+  void disconnect(bool again) override { source->disconnect(again); }
 
   void run(Span time) { io.run_for(time); }
   /// s until `more` further scans came, without what was waited for a processor; at most 30 s.

@@ -25,7 +25,7 @@ using test::UdpBench;
 
 TEST(UdpSource, ReceivesUnicastWithSenderAndReceiver) {
   UdpBench bench;
-  ASSERT_EQ(bench.source.state().phase, UdpState::Phase::receiving) << bench.source.state().message;
+  ASSERT_EQ(bench.source.state().phase, UdpState::Phase::receiving) << bench.source.state().fault.error;
   Sender sender("127.0.0.2");
   ASSERT_TRUE(sender.send(bench.port(), "hello"));
   ASSERT_TRUE(bench.run_until_count(1));
@@ -69,7 +69,7 @@ TEST(UdpSource, ReceivesMulticastOfJoinedGroups) {
   options.groups = {{IpAddress::v4(239, 1, 2, 3), "lo"}};
   UdpBench bench(options);
   if (bench.source.state().phase != UdpState::Phase::receiving)
-    GTEST_SKIP() << "no multicast on lo here: " << bench.source.state().message;
+    GTEST_SKIP() << "no multicast on lo here: " << bench.source.state().fault.error;
   Sender sender;
   const in_addr loopback{htonl(INADDR_LOOPBACK)};
   setsockopt(sender.fd(), IPPROTO_IP, IP_MULTICAST_IF, &loopback, sizeof loopback);
@@ -83,21 +83,11 @@ TEST(UdpSource, MissingInterfaceIsNamedWhileUnicastGoesOn) {
   options.groups = {{IpAddress::v4(239, 1, 2, 3), "lidar9"}};
   UdpBench bench(options);
   EXPECT_EQ(bench.source.state().phase, UdpState::Phase::partial);
-  EXPECT_NE(bench.source.state().message.find("no interface lidar9"), std::string::npos);
+  EXPECT_EQ(bench.source.state().fault.error, ENXIO);
+  EXPECT_EQ(bench.source.state().fault.group.interface, "lidar9");
   Sender sender;
   sender.send(bench.port(), "x");
   EXPECT_TRUE(bench.run_until_count(1));
-}
-
-TEST(UdpSource, AGroupThatCannotBeJoinedIsExplained) {
-  const IpAddress group = IpAddress::v4(239, 1, 2, 3);
-  const auto says = [&](const std::string& interface, int error, const std::string& part) {
-    return why_not_joined({group, interface}, error).find(part) != std::string::npos;
-  };
-  EXPECT_TRUE(says("eth7", ENXIO, "there is no interface eth7; compare with `ip link`"));
-  EXPECT_TRUE(
-      says("10.0.0.7", ENODEV, "no interface has the address 10.0.0.7; compare with `ip -4 address`"));
-  EXPECT_TRUE(says("", ENODEV, "no interface leads to it; name the sensor's interface"));
 }
 
 TEST(UdpSource, TellsSensorsOnOnePortApart) {
@@ -147,19 +137,17 @@ TEST(UdpSource, PortInUseIsExplainedAndTakenWhenFree) {
   options.port = other->port();
   UdpBench bench(options);
   EXPECT_EQ(bench.source.state().phase, UdpState::Phase::waiting);
-  const std::string port = std::to_string(options.port);
   std::string own_name;
   std::getline(std::ifstream("/proc/self/comm"), own_name);
-  EXPECT_EQ(bench.source.state().message, "port " + port +
-                                              " is in use by another program; find it with `ss -lunp "
-                                              "'sport = :" +
-                                              port + "'` (it is " + own_name + ", process " +
-                                              std::to_string(getpid()) + ")");
+  const UdpFault& fault = bench.source.state().fault;
+  EXPECT_EQ(fault.error, EADDRINUSE);
+  EXPECT_EQ(fault.holder.program, own_name);
+  EXPECT_EQ(fault.holder.process, std::to_string(getpid()));
   bench.run(milliseconds(250));
   EXPECT_EQ(bench.source.state().phase, UdpState::Phase::waiting);
   other.reset();
   ASSERT_TRUE(bench.run_until([&] { return bench.source.state().phase == UdpState::Phase::receiving; }));
-  EXPECT_TRUE(bench.source.state().message.empty());
+  EXPECT_FALSE(bench.source.state().fault);
   Sender sender;
   sender.send(bench.port(), "late");
   EXPECT_TRUE(bench.run_until_count(1));
@@ -174,7 +162,7 @@ TEST(UdpSource, TriesAtOnceWhenInterfacesHaveChanged) {
   ASSERT_EQ(bench.source.state().phase, UdpState::Phase::waiting);
   holder.source.stop();
   bench.source.interfaces_changed();
-  EXPECT_EQ(bench.source.state().phase, UdpState::Phase::receiving) << bench.source.state().message;
+  EXPECT_EQ(bench.source.state().phase, UdpState::Phase::receiving) << bench.source.state().fault.error;
   bench.run(milliseconds(1500));  // the attempt that was planned is forgotten
   Sender sender;
   ASSERT_TRUE(sender.send(bench.port(), "hello"));
@@ -187,7 +175,7 @@ TEST(UdpSource, ForeignAddressIsExplained) {
   options.address = IpAddress::v4(192, 0, 2, 77);
   UdpBench bench(options);
   EXPECT_EQ(bench.source.state().phase, UdpState::Phase::waiting);
-  EXPECT_NE(bench.source.state().message.find("192.0.2.77"), std::string::npos);
+  EXPECT_EQ(bench.source.state().fault.error, EADDRNOTAVAIL);
 }
 
 TEST(UdpSource, SharedPortDeliversBroadcastsToBoth) {
@@ -196,7 +184,7 @@ TEST(UdpSource, SharedPortDeliversBroadcastsToBoth) {
   UdpBench first(options);
   options.port = first.port();
   UdpBench second(options);
-  ASSERT_EQ(second.source.state().phase, UdpState::Phase::receiving) << second.source.state().message;
+  ASSERT_EQ(second.source.state().phase, UdpState::Phase::receiving) << second.source.state().fault.error;
   Sender sender;
   sender.send(first.port(), "both", "127.255.255.255");
   EXPECT_TRUE(first.run_until_count(1));
@@ -245,14 +233,13 @@ TEST(UdpSource, AsksForABufferThatFitsTheRateAndSaysWhatIsMissing) {
   UdpBench greedy(options);
   const UdpStats& stats = greedy.source.stats();
   EXPECT_EQ(stats.receive_buffer_asked, 691200000U);
-  if (stats.receive_buffer_got < stats.receive_buffer_asked) {
-    EXPECT_NE(greedy.source.warning().find("`sysctl -w net.core.rmem_max=691200000`"), std::string::npos)
-        << greedy.source.warning();
-  }
+  EXPECT_LE(
+      std::abs(seconds(stats.receive_buffer_lasts) - static_cast<double>(stats.receive_buffer_got) / 1152e6),
+      1e-6);
   options.packets_per_s = 1;
   UdpBench modest(options);
   EXPECT_GE(modest.source.stats().receive_buffer_got, 50000U) << "never below the system's default";
-  EXPECT_TRUE(modest.source.warning().empty());
+  EXPECT_GE(modest.source.stats().receive_buffer_got, modest.source.stats().receive_buffer_asked);
 }
 
 TEST(UdpSource, StopsAtOnceAndStartsAgain) {

@@ -164,7 +164,7 @@ TEST(VelodyneCapture, WholeRevolutionsHaveAllTheirFiringSequences) {
 TEST(VelodyneCapture, PacketsThatNameAnotherProductAreDecodedWhenTheirPeriodIsTheModels) {
   LIDARD_NEED_CAPTURE(path, "velodyne/vlp16_2014_says_hdl32.pcap");
   const Decoded decoded = decode_all(path);
-  EXPECT_EQ(decoded.counters.lying_packets, 84U);
+  EXPECT_EQ(decoded.counters.wrong_product, 84U);
 }
 
 TEST(VelodyneCapture, PacketsOfAnotherModelAreRefusedByName) {
