@@ -83,7 +83,8 @@ struct RawPackets {
   }
 };
 
-/// What a device sends beside its frames. Each kind has a member `topic`, the last part of its topic's name.
+/// What a device sends beside its frames, or what is made of them. Each kind has a member `topic`, the last
+/// part of its topic's name.
 using DeviceMessage = std::variant<GnssFix, TimeReference, ImuSample, DeviceState, RawPackets>;
 
 /// Index of a kind in that list, as of DeviceMessage::index().
