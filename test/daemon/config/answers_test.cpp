@@ -1,19 +1,13 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-// What is answered to configurations and calibrations: the rows of answers/*.txt. Lines of such a file that
-// begin with
-//   ==  are a title, after which nothing stands around the rows
-//   |   stand around the rows that follow, which go where the % is
-//   =>  are what is answered to the lines before, all of it without the name of the file
-//   ~>  are words of what is answered
-// All other lines are the text of a row.
+// What is answered to configurations and calibrations, without the name of the file.
+#include "test/support/answers.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <regex>
-#include <sstream>
-#include <utility>
 
 #include "daemon/config/values.h"
 #include "daemon/offline/field_sight.h"
@@ -21,60 +15,9 @@
 #include "daemon/offline/remarks.h"
 #include "test/daemon/config/calibration_support.h"
 #include "test/daemon/config/config_support.h"
-#include "test/support/captures.h"
 
 namespace lidard::test {
 namespace {
-
-/// A text and what is answered to it.
-struct Row {
-  std::size_t line = 0;
-  std::string text, all;
-  std::vector<std::string> words;
-};
-
-class Table {
- public:
-  explicit Table(const std::string& path) {
-    std::istringstream lines(content(path));
-    for (std::string line; std::getline(lines, line); ++number_) add(line);
-    end_row();
-  }
-  std::vector<Row> rows;
-
- private:
-  void add(const std::string& line) {
-    const std::string mark = line.substr(0, 3), rest = line.size() > 3 ? line.substr(3) : "";
-    if (mark != "=> " && mark != "~> ") end_row();
-    if (mark != "|  ") is_around_ = false;
-    if (mark == "=> ") {
-      row_.all += rest + "\n";
-    } else if (mark == "~> ") {
-      row_.words.push_back(rest);
-    } else if (mark == "== ") {
-      around_.clear();
-    } else if (mark == "|  ") {
-      around_ = (std::exchange(is_around_, true) ? around_ : "") + rest + "\n";
-    } else if (!line.empty() || !row_.text.empty()) {
-      row_.line = number_;
-      row_.text += line + "\n";
-    }
-  }
-  /// A row ends where its answer ends.
-  void end_row() {
-    if (row_.all.empty() && row_.words.empty()) return;
-    if (!around_.empty()) {
-      row_.text.pop_back();
-      row_.text = std::string(around_).replace(around_.find('%'), 1, row_.text);
-    }
-    rows.push_back(std::exchange(row_, {}));
-  }
-
-  std::size_t number_ = 1;
-  bool is_around_ = false;
-  std::string around_;
-  Row row_;
-};
 
 /// What `lidard check` writes of a configuration, or the mistake in it.
 std::string checked(const std::string& text) {
@@ -100,18 +43,10 @@ struct Answerer {
 class Answers : public ::testing::TestWithParam<Answerer> {};
 
 TEST_P(Answers, AreThoseOfTheTable) {
-  const std::string name = std::string("test/daemon/config/answers/") + GetParam().table + ".txt";
-  const Table table(project_file(name));
-  EXPECT_GT(table.rows.size(), 10U);
-  for (const Row& row : table.rows) {
-    SCOPED_TRACE(name + ":" + std::to_string(row.line) + "\n" + row.text);
-    const std::string answer =
-        std::regex_replace(GetParam().answer(row.text), std::regex("(^|\n)f:"), "$1") + "\n";
-    for (const std::string& words : row.words) EXPECT_THAT(answer, ::testing::HasSubstr(words));
-    if (!row.all.empty()) {
-      EXPECT_EQ(answer, row.all);
-    }
-  }
+  test::expect_answers(std::string("test/daemon/config/answers/") + GetParam().table + ".txt",
+                       [](const std::string& text) {
+                         return std::regex_replace(GetParam().answer(text), std::regex("(^|\n)f:"), "$1");
+                       });
 }
 
 INSTANTIATE_TEST_SUITE_P(Config, Answers,
