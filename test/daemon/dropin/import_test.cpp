@@ -66,6 +66,9 @@ std::string stood_in(const std::string& text) {
   const LaunchNode node = node_of(text);
   const std::map<std::string, DropinSetup (*)(const NodeParameters&)> setups = {
       {"velodyne_node", velodyne_node_setup},
+      {"sick_generic_caller", sick_scan_setup},
+      {"sick_safetyscanners_node", safety_scanners_setup},
+      {"nebula", nebula_setup},
       {"laserscan_multi_merger", laser_merger_setup},
       {"laserscan_virtualizer", laser_virtualizer_setup}};
   try {
