@@ -69,6 +69,7 @@ TEST_P(ClockBench, StampsAreRightFromTwoSecondsOnAndNoScanIsDropped) {
     EXPECT_EQ(seen.missing, is_torn ? 1U : 0U) << what;
     EXPECT_EQ(seen.jumps, scenario.step_at ? 1U : 0U) << what;
     EXPECT_EQ(seen.backwards, scenario.step_s < 0 ? 1U : 0U) << what;
+    EXPECT_EQ(scenario.wrap ? seen.lost : 0U, 0U) << what;
     EXPECT_EQ(seen.steps, scenario.reboot || (scenario.recorded && !is_torn) ? 1U : 0U) << what;
   }
 }

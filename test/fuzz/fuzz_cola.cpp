@@ -4,30 +4,13 @@
 // Streams of scanners that speak CoLa: the first byte chooses the model, the rest is cut into chunks, each
 // behind a length (8 bit; 0: a hole), and given to one driver; then the whole input is parsed as one telegram
 // of each kind and dialect. A scan that breaks an invariant is a finding.
-#include <cmath>
 #include <cstdlib>
 
 #include "drivers/model.h"
 #include "drivers/registry/registry.h"
 #include "drivers/sick/cola/cola_models.h"
 #include "drivers/sick/cola/cola_scan.h"
-
-namespace {
-
-class Checker final : public lidard::FrameReceiver {
- public:
-  void scan(lidard::PlanarScan& scan) override {
-    if (lidard::violation(scan) != nullptr) std::abort();
-  }
-  void cloud(lidard::Cloud& cloud) override {
-    for (std::size_t i = 0; i < cloud.size(); ++i) {
-      const lidard::CloudPoint point = cloud.points()[i];
-      if (!std::isfinite(point.x) || !std::isfinite(point.y) || !std::isfinite(point.z)) std::abort();
-    }
-  }
-};
-
-}  // namespace
+#include "test/sim/servers/output_check.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace lidard;
@@ -50,7 +33,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   config.keep_origins = (data[0] & 4U) != 0;
   const auto driver = config.model->make(config);
   const auto recognizer = sick::make_cola_recognizer();
-  Checker out;
+  sim::OutputCheck out;
   Packet packet;
   packet.transport = Transport::tcp;
   packet.arrival = Stamp{1'767'225'600'000'000'000};
@@ -66,5 +49,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     recognizer->add(packet);
   }
   driver->finish(out);
+  if (out.violation() != nullptr) std::abort();
   return 0;
 }

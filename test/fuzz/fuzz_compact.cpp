@@ -5,7 +5,6 @@
 // telegram of each format; then it is cut into pieces, each behind a length (16 bit), whose checksums are
 // made right, and given to drivers of one and of several layers as datagrams; at last all of it as a stream.
 // A scan that breaks an invariant is a finding.
-#include <cmath>
 #include <cstdlib>
 #include <vector>
 
@@ -13,33 +12,18 @@
 #include "drivers/registry/registry.h"
 #include "drivers/sick/compact/compact_telegram.h"
 #include "test/sim/devices/checksums.h"
+#include "test/sim/servers/output_check.h"
 
 namespace {
 
 using namespace lidard;
-
-class Checker final : public FrameReceiver {
- public:
-  void scan(PlanarScan& scan) override {
-    if (violation(scan) != nullptr) std::abort();
-  }
-  void extra_scan(std::string_view, PlanarScan& scan) override {
-    if (violation(scan) != nullptr) std::abort();
-  }
-  void cloud(Cloud& cloud) override {
-    for (std::size_t i = 0; i < cloud.size(); ++i) {
-      const CloudPoint p = cloud.points()[i];
-      if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) std::abort();
-    }
-  }
-};
 
 void play(const char* model, ByteView input, bool as_stream) {
   DriverConfig config;
   config.model = find_model(model);
   config.publish_multiecho = true;
   const auto driver = config.model->make(config);
-  Checker out;
+  sim::OutputCheck out;
   Packet packet;
   packet.transport = as_stream ? Transport::tcp : Transport::udp;
   packet.arrival = Stamp{1'767'225'600'000'000'000};
@@ -57,6 +41,7 @@ void play(const char* model, ByteView input, bool as_stream) {
     driver->tick(packet.arrival, out);
   }
   driver->finish(out);
+  if (out.violation() != nullptr) std::abort();
 }
 
 }  // namespace

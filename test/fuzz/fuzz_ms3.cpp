@@ -8,18 +8,7 @@
 #include "drivers/model.h"
 #include "drivers/registry/registry.h"
 #include "drivers/sick/safety/ms3_telegram.h"
-
-namespace {
-
-class Checker final : public lidard::FrameReceiver {
- public:
-  void scan(lidard::PlanarScan& scan) override {
-    if (lidard::violation(scan) != nullptr) std::abort();
-  }
-  void cloud(lidard::Cloud&) override { std::abort(); }
-};
-
-}  // namespace
+#include "test/sim/servers/output_check.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace lidard;
@@ -30,7 +19,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   DriverConfig config;
   config.model = model;
   const auto driver = model->make(config);
-  Checker out;
+  sim::OutputCheck out;
   Packet packet;
   packet.from = {IpAddress::v4(192, 168, 0, 21), 50000};
   packet.arrival = Stamp{1'767'225'600'000'000'000};
@@ -44,5 +33,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     static_cast<void>(driver->receive(packet, out));
   }
   driver->finish(out);
+  if (out.violation() != nullptr) std::abort();
   return 0;
 }

@@ -44,6 +44,7 @@ class ClockBench final : public FrameReceiver {
       step();
     }
     figures_.steps = driver_->counters().clock_steps;
+    figures_.lost = driver_->counters().lost_packets;
     figures_.info = driver_->info();
     return figures();
   }

@@ -72,6 +72,7 @@ struct BenchFigures {
   std::size_t backwards = 0;  ///< stamps that are not newer than the one before
   std::size_t jumps = 0;      ///< discontinuities of the stamps as they go out, in host time
   std::uint64_t steps = 0;    ///< that the driver counted
+  std::uint64_t lost = 0;     ///< packets, likewise
   std::size_t without_truth = 0;
   DeviceInfo info;  ///< as diagnostics have it at the end
 };

@@ -58,17 +58,6 @@ TEST_F(Check, ListsTheSocketsThatTheDaemonOpens) {
   EXPECT_EQ(run_check_ports("/nowhere.yaml", out_, err_), 78);
 }
 
-TEST_F(Check, TellsWhichCloudsNeedTf) {
-  EXPECT_EQ(check("sensors:\n"
-                  "  roof: {model: velodyne_vlp16, points_frame: base_link, pose: {xyz: [0, 0, 2]}}\n"
-                  "  mast: {model: velodyne_vlp16, ip_port: 2369, telemetry_port: 0, points_frame: odom}\n"),
-            0);
-  EXPECT_EQ(err_.str(), path_ +
-                            ":3:3: sensors.mast: the pose of mast in points_frame odom comes from tf only; "
-                            "without tf (replay --bag, snapshot) its cloud does not come out: take a frame "
-                            "whose pose is configured, or name a bag with tf (--motion)\n");
-}
-
 TEST_F(Check, ListsOnlyConnectionsThatTheDaemonMakes) {
   std::ofstream(path_)
       << "sensors:\n"
@@ -88,87 +77,6 @@ TEST_F(Check, ListsOnlyConnectionsThatTheDaemonMakes) {
   }
   EXPECT_EQ(tcp, "10.0.0.2:2122 10.0.0.4:80 10.0.0.6:2111 ");
   EXPECT_THAT(out_.str(), ::testing::HasSubstr("connects  tcp, port 2122 of the sender  any\n"));
-}
-
-TEST_F(Check, QuestionsAnAddressThatThisHostDoesNotHave) {
-  EXPECT_EQ(
-      check("sensors: {a: {model: sick_picoscan150, ip_address: 10.0.0.1, udp_receiver_ip: 203.0.113.5}}\n"),
-      0);
-  EXPECT_NE(err_.str().find("which is no address of this host"), std::string::npos) << err_.str();
-}
-
-TEST_F(Check, QuestionsAReachBeyondEverySource) {
-  const std::string sensors =
-      "vehicle: {footprint: [[-1, -1], [1, -1], [1, 1]]}\n"
-      "sensors: {a: {model: sick_microscan3, ip_address: 10.0.0.1, pose: {xyz: [0, 0, 0]}}}\n";
-  const auto merged = [&](const std::string& keys) {
-    err_.str("");
-    EXPECT_EQ(check(sensors + "merged_scans: {s: {laserscan_topics: [a], " + keys + "}}\n"), 0);
-    return err_.str();
-  };
-  EXPECT_EQ(merged("profile: strict"), "");
-  EXPECT_EQ(merged("range_max: 200"), "") << "flatten proves nothing";
-  EXPECT_EQ(merged("profile: strict, range_max: 200, free_required: 10"), "");
-  EXPECT_NE(
-      merged("profile: strict, range_max: 200")
-          .find("merged_scans.s.range_max: is 200 m, and without return its sources prove no more than"),
-      std::string::npos)
-      << err_.str();
-  EXPECT_NE(merged("also: {s2: safety}, range_max: 200").find("is free (+inf)"), std::string::npos)
-      << err_.str();
-}
-
-TEST_F(Check, QuestionsAReachThatSourcesDoNotProveWithoutReturn) {
-  const auto merged = [&](const std::string& model, const std::string& keys) {
-    err_.str(""), out_.str("");
-    EXPECT_EQ(check("vehicle: {footprint: [[-1, -1], [1, -1], [1, 1]]}\nsensors: {a: {model: " + model +
-                    ", ip_address: 10.0.0.1, pose: {xyz: [0, 0, 0]}}}\n"
-                    "merged_scans: {s: {laserscan_topics: [a], profile: strict, " +
-                    keys + "}}\n"),
-              0);
-    return err_.str();
-  };
-  EXPECT_NE(merged("hokuyo_ust_10lx", "range_max: 10")
-                .find("without return its sources prove no more than 4.0 m free"),
-            std::string::npos)
-      << err_.str();
-  EXPECT_NE(out_.str().find("no_return_free_range: 4\n"), std::string::npos) << out_.str();
-  EXPECT_EQ(merged("hokuyo_ust_10lx", "range_max: 4"), "");
-  EXPECT_EQ(merged("hokuyo_ust_10lx", "range_max: 10, free_required: 4"), "");
-  EXPECT_EQ(merged("hokuyo_ust_10lx", "range_max: 10, source_settings: {a: {no_return_free_range: 10}}"), "");
-  EXPECT_EQ(merged("hokuyo_utm_30lx_ew", "range_max: 30"), "") << "not known";
-  EXPECT_EQ(out_.str().find("no_return_free_range"), std::string::npos) << out_.str();
-}
-
-TEST_F(Check, QuestionsAVirtualScanThatBeginsWhereItsLidarIsBlind) {
-  const std::string vehicle =
-      "vehicle: {footprint: [[-4, -1], [0.1, -1], [0.1, 1], [-4, 1]]}\n"
-      "sensors:\n"
-      "  roof: {model: velodyne_vlp16, pose: {xyz: [0, 0, 2]}}\n"
-      "  front: {model: sick_microscan3, ip_address: 10.0.0.1, pose: {xyz: [0, 0, 0.3]}}\n";
-  const auto bumper = [&](const std::string& keys, const std::string& more = "") {
-    err_.str("");
-    EXPECT_EQ(check(vehicle + "virtual_scans: {v: {cloud_topic: roof, virtual_laser_scan: [bumper], " + keys +
-                    "}}\n" + more),
-              0);
-    return err_.str();
-  };
-  // The lowest ring of a VLP-16 looks down by 15 degrees: it meets a plane 1.7 m below it 6.3 m away.
-  EXPECT_EQ(bumper("profile: strict, poses: {bumper: {xyz: [0.1, 0, 0.3]}}"),
-            path_ +
-                ":5:17: virtual_scans.v: bumper lies where roof is blind: 100 % of its beams begin unseen "
-                "and are never "
-                "free (+inf); merge it with scanners at its height\n");
-  EXPECT_EQ(bumper("poses: {bumper: {xyz: [0.1, 0, 0.3]}}"), "") << "flatten calls everything free";
-  EXPECT_EQ(bumper("profile: safety, poses: {bumper: {xyz: [0, 0, 1.95]}}"), "");
-  EXPECT_EQ(
-      bumper("profile: safety, angle_min_deg: -30, angle_max_deg: 30, poses: {bumper: {xyz: [7, 0, 0.3]}}"),
-      "")
-      << "ahead of the blind zone";
-  EXPECT_EQ(
-      bumper("profile: safety, poses: {bumper: {xyz: [0.1, 0, 0.3]}}",
-             "merged_scans: {all: {laserscan_topics: [front, bumper], profile: safety, range_max: 20}}\n"),
-      "");
 }
 
 TEST_F(Check, SaysAtItsEndWhichBeamsCanBeFreeAndWhatIsInTheWay) {
@@ -193,75 +101,6 @@ TEST_F(Check, RemarksAreNoErrors) {
   EXPECT_EQ(check("sensors: {rear: {topic: scan}}\n"), 0);
   EXPECT_EQ(err_.str(), path_ + ":1:11: sensors.rear is used by no merged and no virtual scan\n");
   EXPECT_NE(out_.str(), "");
-}
-
-TEST_F(Check, WhatOnlyTfOrAnotherNodeCanTellIsSaidAtOnce) {
-  EXPECT_EQ(check("sensors:\n"
-                  "  front: {model: sick_microscan3, ip_address: 192.168.0.21, pose: {xyz: [1, 0, 0]}}\n"
-                  "  back: {model: sick_microscan3, ip_address: 192.168.0.22}\n"
-                  "  rear: {topic: /rear/scan}\n"
-                  "merged_scans:\n"
-                  "  all: {laserscan_topics: [front, back, rear]}\n"
-                  "  known: {laserscan_topics: [front]}\n"
-                  "  same_frame: {laserscan_topics: [back], destination_frame: back}\n"
-                  "  nowhere: {laserscan_topics: [front], destination_frame: gripper}\n"),
-            0);
-  EXPECT_EQ(err_.str(),
-            path_ +
-                ":6:3: merged_scans.all: the poses of back, rear come from tf only; without tf (replay "
-                "--bag, snapshot) what needs it is left out: configure it\n" +
-                path_ +
-                ":6:3: merged_scans.all: rear comes from /rear/scan, which another node must publish; a "
-                "replay has it if a bag does\n" +
-                path_ +
-                ":9:3: merged_scans.nowhere: the pose of destination_frame gripper comes from tf only; "
-                "without tf (replay --bag, snapshot) nothing comes out: configure it\n");
-}
-
-TEST_F(Check, AVirtualScanWhoseFrameOrCloudHasNoPoseIsSaidAtOnce) {
-  EXPECT_EQ(
-      check("sensors:\n"
-            "  roof: {model: velodyne_vlp16, pose: {xyz: [0, 0, 2]}}\n"
-            "  mast: {model: velodyne_vlp16, ip_port: 2369}\n"
-            "virtual_scans:\n"
-            "  some: {cloud_topic: roof, virtual_laser_scan: [low, high], poses: {low: {xyz: [0, 0, 1]}}}\n"
-            "  own: {cloud_topic: mast, virtual_laser_scan: [mast]}\n"
-            "  proof: {cloud_topic: mast, virtual_laser_scan: [chest], profile: strict,\n"
-            "    poses: {chest: {xyz: [0, 0, 1]}}}\n"),
-      0)
-      << err_.str();
-  EXPECT_EQ(err_.str(),
-            path_ +
-                ":5:3: virtual_scans.some: the pose of high comes from tf only; without tf (replay --bag, "
-                "snapshot) what needs it is left out: configure it\n" +
-                path_ +
-                ":7:3: virtual_scans.proof: the pose of mast comes from tf only; without tf (replay "
-                "--bag, snapshot) nothing comes out: configure it\n");
-}
-
-TEST_F(Check, AMergedCloudIsSaidToNeedPosesAndTopicsOfOthers) {
-  EXPECT_EQ(check("sensors:\n"
-                  "  roof: {model: velodyne_vlp16, pose: {xyz: [0, 0, 2]}}\n"
-                  "  mast: {model: velodyne_vlp16, ip_port: 2369}\n"
-                  "  rear: {topic: /rear/points, pose: {xyz: [0, 0, 1]}}\n"
-                  "merged_clouds:\n"
-                  "  all: {sources: [roof, mast, rear]}\n"
-                  "  nowhere: {sources: [roof], destination_frame: gripper}\n"
-                  "virtual_scans:\n"
-                  "  some: {cloud_topic: all, virtual_laser_scan: [low], poses: {low: {xyz: [0, 0, 1]}}, "
-                  "profile: strict}\n"),
-            0)
-      << err_.str();
-  const std::string tf = " from tf only; without tf (replay --bag, snapshot) ";
-  const std::string topic =
-      ": rear comes from /rear/points, which another node must publish; a replay has it if a bag does\n";
-  EXPECT_EQ(err_.str(),
-            path_ + ":6:3: merged_clouds.all: the pose of mast comes" + tf +
-                "what needs it is left out: configure it\n" + path_ + ":6:3: merged_clouds.all" + topic +
-                path_ + ":7:3: merged_clouds.nowhere: the pose of destination_frame gripper comes" + tf +
-                "nothing comes out: configure it\n" + path_ +
-                ":9:3: virtual_scans.some: the pose of mast comes" + tf +
-                "what needs it is left out: configure it\n" + path_ + ":9:3: virtual_scans.some" + topic);
 }
 
 TEST_F(Check, MistakesGiveExitCode78AndOneLine) {

@@ -216,15 +216,6 @@ TEST(Inspect, ReportsRejectedPacketsByReason) {
   EXPECT_EQ(said["unknown"][0]["port"], 5353);
 }
 
-TEST(Inspect, ClaimsNoSensorInForeignTraffic) {
-  for (const std::string name :
-       {"odd/sick_lls_udp5009_office_noise.pcapng", "odd/ouster_sdk/VLI-16-one-packet.pcap",
-        "odd/ouster_sdk/same_ports.pcap", "sick/rms1xxx_colaa_radar.pcap"}) {
-    LIDARD_NEED_CAPTURE(path, name);
-    EXPECT_TRUE(inspect_json(path)["sensors"].empty()) << name;
-  }
-}
-
 TEST(Inspect, WritesAnAcceptedConfigurationOfADamagedCapture) {
   // A connection to a multicast group, found by fuzz_pcap.
   FoundSensor sensor;

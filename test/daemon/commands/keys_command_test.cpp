@@ -3,18 +3,24 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <iterator>
-#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "core/base/number_text.h"
 #include "daemon/commands/commands.h"
 #include "test/daemon/config/config_support.h"
+#include "test/daemon/config/key_places.h"
 #include "test/support/captures.h"
 
 namespace lidard {
 namespace {
 
+using test::all_keys;
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::Each;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -25,11 +31,6 @@ std::string printed(KeysFormat format) {
 }
 
 std::string file(const std::string& path) { return test::content(test::project_file(path)); }
-
-const nlohmann::json& all_keys() {
-  static const nlohmann::json keys = nlohmann::json::parse(printed(KeysFormat::json));
-  return keys;
-}
 
 const nlohmann::json& key(const std::string& section, const std::string& name) {
   for (const auto& one : all_keys()) {
@@ -76,43 +77,51 @@ TEST(KeysCommand, SaysOneLineOfEveryKey) {
   }
 }
 
-/// The message for a merged or a virtual scan with this key.
-std::string error_with(const std::string& section, const std::string& name, const std::string& value) {
-  const bool merged = section == "merged_scans.NAME";
-  return merged ? test::merged_error("laserscan_topics: rear, " + name + ": " + value)
-                : test::virtual_error("cloud_topic: roof, virtual_laser_scan: [a], profile: strict, " + name +
-                                      ": " + value);
+/// What is answered to a key with this value in each of its places.
+std::vector<std::string> answers_to(const nlohmann::json& key, const std::string& value) {
+  std::vector<std::string> all;
+  for (const std::string& place : test::places_of(key["section"]))
+    all.push_back(test::error_of(test::with(place, std::string(key["key"]) + ": " + value)));
+  return all;
+}
+
+/// As the message begins that refuses a value of a key.
+std::string refusal(const nlohmann::json& key, const std::string& value) {
+  return "." + std::string(key["key"]) + " is " + value + "; expected ";
 }
 
 TEST(KeysCommand, TellsTheLimitsThatTheParserKeeps) {
   int checked = 0;
   for (const auto& one : all_keys()) {
-    const std::string section = one["section"];
-    const bool output = section == "merged_scans.NAME" || section == "virtual_scans.NAME";
-    if (!output || !one.contains("max") || one["kind"] == "angle" || one["key"] == "free_required") continue;
-    const std::string name = one["key"];
-    const std::string limits = (section == "merged_scans.NAME" ? "m." : "v.") + name + " is ";
-    for (const double edge : {one["min"].get<double>(), one["max"].get<double>()})
-      EXPECT_THAT(error_with(section, name, number_text(edge)), Not(HasSubstr(limits))) << one;
-    EXPECT_THAT(error_with(section, name, number_text(one["max"].get<double>() * 1.5 + 1)),
-                HasSubstr(limits));
-    EXPECT_THAT(error_with(section, name, number_text(one["min"].get<double>() - 1)), HasSubstr(limits));
+    if (!one.contains("max")) continue;
+    SCOPED_TRACE(one);
+    for (const char* bad : {".nan", ".inf", "-.inf", "much", "1m", "0x10", "[1]", "{}", "''"})
+      EXPECT_THAT(answers_to(one, bad), Not(Contains("no error"))) << bad;
+    if (one["kind"] == "angle") continue;  // the rules of angles are in config/answers
+    const double low = one["min"], high = one["max"];
+    const auto step = [&](double limit) {
+      return one["kind"] == "whole" ? 1 : 1e-4 * std::max(1.0, std::abs(limit));
+    };
+    for (const double edge : {low, high}) {
+      if (one["key"] == "free_required" || one["key"] == "skip") continue;  // less where other limits hold
+      EXPECT_THAT(answers_to(one, number_text(edge)), Each(Not(HasSubstr(refusal(one, number_text(edge))))));
+    }
+    for (const double beyond : {low - step(low), high + step(high)}) {
+      EXPECT_THAT(answers_to(one, number_text(beyond)),
+                  AllOf(Contains(HasSubstr(refusal(one, number_text(beyond)))), Not(Contains("no error"))));
+    }
     ++checked;
   }
-  EXPECT_GE(checked, 19);
+  EXPECT_GE(checked, 45);
 }
 
 TEST(KeysCommand, TellsTheWordsThatTheParserKnows) {
   for (const auto& one : all_keys()) {
-    const std::string section = one["section"];
-    if (!one.contains("words") || (section != "merged_scans.NAME" && section != "virtual_scans.NAME"))
-      continue;
-    const std::string name = one["key"];
-    if (section == "virtual_scans.NAME" && name == "profile") continue;  // which error_with() sets itself
-    const std::string refused = name + " is \"";
+    if (!one.contains("words")) continue;
+    SCOPED_TRACE(one);
     for (const std::string word : one["words"])
-      EXPECT_THAT(error_with(section, name, word), Not(HasSubstr(refused))) << one;
-    EXPECT_THAT(error_with(section, name, "nonsense"), HasSubstr(refused + "nonsense\"; expected ")) << one;
+      EXPECT_THAT(answers_to(one, word), Each(Not(HasSubstr(refusal(one, '"' + word + '"')))));
+    EXPECT_THAT(answers_to(one, "nonsense"), Contains(HasSubstr(refusal(one, "\"nonsense\""))));
   }
 }
 

@@ -2,6 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <gtest/gtest.h>
+
+#include <random>
+#include <regex>
 #include <string>
 #include <vector>
 
@@ -32,6 +36,25 @@ inline std::string calibration_error(const std::string& text) {
   } catch (const ConfigError& error) {
     return error.what();
   }
+}
+
+/// Spoils a text at up to three places, again and again: it is read still, or the error has that form.
+inline void expect_placed_errors(const std::string& original, const std::string& alphabet, unsigned seed,
+                                 const std::string& form) {
+  const std::regex placed(form);
+  std::mt19937 random(seed);
+  int errors = 0;
+  for (int round = 0; round < 3000; ++round) {
+    std::string text = original;
+    for (std::size_t change = 0; change <= random() % 3; ++change)
+      text[random() % text.size()] = alphabet[random() % alphabet.size()];
+    if ((text.front() == '<') != (original.front() == '<')) continue;  // of the other format
+    const std::string error = calibration_error(text);
+    if (error == "no error") continue;
+    ++errors;
+    EXPECT_TRUE(std::regex_match(error, placed)) << error << "\n--- from:\n" << text;
+  }
+  EXPECT_GT(errors, 500);
 }
 
 }  // namespace lidard::test

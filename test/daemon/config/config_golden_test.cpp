@@ -6,13 +6,12 @@
 #include <gtest/gtest.h>
 
 #include <iterator>
-#include <nlohmann/json.hpp>
 #include <random>
 #include <sstream>
 
-#include "daemon/commands/commands.h"
 #include "daemon/offline/remarks.h"
 #include "test/daemon/config/config_support.h"
+#include "test/daemon/config/key_places.h"
 #include "test/support/captures.h"
 #include "test/support/golden.h"
 
@@ -29,48 +28,6 @@ std::string said_of(const std::string& text) {
   } catch (const ConfigError& error) {
     return error.what();
   }
-}
-
-const std::string vehicle_with = "vehicle: {base_frame: base, footprint: [[-1, -1], [1, -1], [0, 1]], ";
-const std::string two_sensors =
-    "sensors: {a: {topic: /a}, b: {model: velodyne_vlp16, ip_address: 10.0.0.1}, c: {topic: /c}}\n";
-const std::string merged = two_sensors + "merged_scans: {m: {laserscan_topics: [a, c], profile: strict, ";
-const std::string cut =
-    two_sensors +
-    "virtual_scans: {v: {cloud_topic: b, virtual_laser_scan: [x, y], profile: strict, poses: "
-    "{x: {xyz: [0, 0, 1]}}, ";
-
-/// The texts into which a key of a section can be put, each with `@` in its place.
-std::vector<std::string> places_of(const std::string& section) {
-  if (section == "vehicle") return {vehicle_with + "@}\n", "vehicle: {odometry_topic: /odom, @}\n"};
-  if (section == "sensors.NAME") {
-    std::vector<std::string> all = {"sensors: {s: {topic: /t, @}}\n", "sensors: {s: {@}}\n"};
-    for (const char* model : {"velodyne_vlp16", "velodyne_vls128", "sick_microscan3", "sick_lms1xx",
-                              "sick_picoscan150", "hokuyo_utm_30lx_ew"})
-      all.push_back("sensors: {s: {model: " + std::string(model) + ", ip_address: 10.0.0.7, @}}\n");
-    return all;
-  }
-  if (section == "sensors.NAME.control")
-    return {"sensors: {s: {model: velodyne_vlp16, ip_address: 10.0.0.7, control: {@}}}\n",
-            "sensors: {s: {model: velodyne_vls128, ip_address: 10.0.0.7, control: {allow_write: true, @}}}\n",
-            "sensors: {s: {model: sick_microscan3, ip_address: 10.0.0.7, control: {@}}}\n"};
-  const std::string filter = "sensors.NAME.filter";
-  if (section == filter)
-    return {"sensors: {s: {model: velodyne_vlp16, filter: {@}}}\n",
-            "sensors: {s: {model: sick_microscan3, ip_address: 10.0.0.1, filter: {@}}}\n"};
-  if (section == "merged_scans.NAME")
-    return {merged + "@}}\n", two_sensors + "merged_scans: {m: {laserscan_topics: [a], @}}\n"};
-  if (section == "merged_scans.NAME.source_settings.SOURCE")
-    return {merged + "source_settings: {a: {@}}}}\n"};
-  if (section == "merged_clouds.NAME") return {two_sensors + "merged_clouds: {m: {sources: [b], @}}\n"};
-  if (section == "virtual_scans.NAME")
-    return {cut + "@}}\n",
-            two_sensors + "virtual_scans: {v: {cloud_topic: b, virtual_laser_scan: [b], @}}\n"};
-  if (section == "virtual_scans.NAME.ground")
-    return {cut + "ground: {@}}}\n", cut + "ground: {model: slope, @}}}\n"};
-  if (section == "blackbox") return {"sensors: {s: {model: velodyne_vlp16}}\nblackbox: {@}\n"};
-  ADD_FAILURE() << "no place for keys of " << section;
-  return {};
 }
 
 const char* const values[] = {"-2000000000",
@@ -104,15 +61,9 @@ const char* const values[] = {"-2000000000",
                               "239.1.2.3",
                               "fe80::1"};
 
-std::string with(std::string place, const std::string& what) {
-  return place.replace(place.find('@'), 1, what);
-}
-
 TEST(ConfigGolden, EveryKeyTakesAndMeansWhatItDidBefore) {
-  std::ostringstream listed;
-  run_keys(KeysFormat::json, listed);
   std::string all;
-  for (const auto& row : nlohmann::json::parse(listed.str())) {
+  for (const auto& row : test::all_keys()) {
     const std::string section = row["section"], key = row["key"];
     std::vector<std::string> tried(std::begin(values), std::end(values));
     if (row.contains("words")) {
@@ -120,10 +71,10 @@ TEST(ConfigGolden, EveryKeyTakesAndMeansWhatItDidBefore) {
     }
     test::Sums sums;
     std::string accepted;  // how many in each place
-    for (const std::string& place : places_of(section)) {
+    for (const std::string& place : test::places_of(section)) {
       std::size_t count = 0;
       for (const std::string& value : tried) {
-        const std::string said = said_of(with(place, key + ": " + value));
+        const std::string said = said_of(test::with(place, key + ": " + value));
         sums.add_text("said", said);
         count += said.rfind("accepted", 0) == 0 ? 1U : 0U;
       }
@@ -138,10 +89,8 @@ TEST(ConfigGolden, EveryKeyTakesAndMeansWhatItDidBefore) {
 std::string printed_in(const std::string& said) { return said.substr(said.find('\n') + 1); }
 
 TEST(ConfigGolden, PairsOfKeysAreJudgedAsBeforeAndReadBackAsTheyArePrinted) {
-  std::ostringstream listed;
-  run_keys(KeysFormat::json, listed);
   std::map<std::string, std::vector<std::string>> keys;
-  for (const auto& row : nlohmann::json::parse(listed.str())) {
+  for (const auto& row : test::all_keys()) {
     const std::string section = row["section"], key = row["key"];
     if (!row.contains("words")) {
       for (const char* value : {"0.3", "2", "true", "[a]", "x"}) keys[section].push_back(key + ": " + value);
@@ -153,12 +102,12 @@ TEST(ConfigGolden, PairsOfKeysAreJudgedAsBeforeAndReadBackAsTheyArePrinted) {
   std::mt19937 random(5);
   for (const auto& [section, entries] : keys) {
     test::Sums sums;
-    for (const std::string& place : places_of(section)) {
+    for (const std::string& place : test::places_of(section)) {
       for (int i = 0; i < 40; ++i) {
         std::string some = entries[random() % entries.size()];
         for (std::size_t more = random() % 4; more > 0; --more)
           some += ", " + entries[random() % entries.size()];
-        const std::string said = said_of(with(place, some));
+        const std::string said = said_of(test::with(place, some));
         sums.add_text("said", said);
         if (said.rfind("accepted", 0) != 0) continue;
         EXPECT_EQ(printed_in(said_of(printed_in(said))), printed_in(said)) << place << ": " << some;

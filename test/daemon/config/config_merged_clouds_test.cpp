@@ -10,9 +10,7 @@
 namespace lidard {
 namespace {
 
-using test::error_of;
 using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 
 const std::string sensors =
     "vehicle: {base_frame: base}\n"
@@ -23,7 +21,6 @@ const std::string sensors =
     "  camera: {topic: /camera/points, pose: {xyz: [1, 0, 1]}}\n"
     "merged_clouds:\n";
 
-std::string error_with(const std::string& entry) { return error_of(sensors + "  " + entry + "\n"); }
 Config config_with(const std::string& rest) { return parse_config(sensors + "  " + rest + "\n", "f"); }
 
 TEST(MergedCloudConfigs, NameSensorsOfAllKindsByNameOrTopic) {
@@ -37,36 +34,6 @@ TEST(MergedCloudConfigs, NameSensorsOfAllKindsByNameOrTopic) {
   EXPECT_EQ(output_topics(config).back().kind, TopicKind::merged_cloud);
   EXPECT_EQ(output_topics(config).back().name, "around");
   EXPECT_TRUE(remarks_on(config).empty()) << "the camera is used";
-}
-
-TEST(MergedCloudConfigs, MistakesNameTheirPlaceAndTheRemedy) {
-  const std::string expected = "; expected names of sensors: roof tail front camera";
-  EXPECT_EQ(error_with("around: {}"), "f:8:3: merged_clouds.around has no sources" + expected);
-  EXPECT_EQ(error_with("around: {sources: []}"),
-            "f:8:21: merged_clouds.around.sources names nothing" + expected);
-  EXPECT_EQ(error_with("around: {sources: [roof, tial]}"),
-            "f:8:28: merged_clouds.around.sources[1] names \"tial\", which is no sensor and no topic of one; "
-            "expected tail");
-  EXPECT_EQ(error_with("around: {sources: [roof, roof/points]}"),
-            "f:8:28: merged_clouds.around.sources[1] names roof again; expected every source once");
-  EXPECT_EQ(error_with("roof: {sources: [roof, tail]}"),
-            "f:8:3: merged_clouds.roof is the name of a sensor too; expected a name of its own");
-  EXPECT_EQ(error_with("around: {sources: [roof], destination_topic: tail}"),
-            "f:8:48: merged_clouds.around.destination_topic is the name of a sensor too; expected a topic of "
-            "its own");
-  EXPECT_EQ(error_with("around: {sources: [roof], destination_topic: roof/points}"),
-            "f:8:48: merged_clouds.around.destination_topic would publish on roof/points, the topic of "
-            "sensors.roof; "
-            "expected a topic of its own");
-  EXPECT_EQ(error_with("around: {sources: [roof], trigger: tail}"),
-            "f:8:38: merged_clouds.around.trigger is \"tail\", which is no source of it; expected one of "
-            "sources: roof");
-  EXPECT_THAT(error_with("around: {sources: [roof], profile: strict}"),
-              HasSubstr("unknown key merged_clouds.around.profile"));
-}
-
-TEST(MergedCloudConfigs, OneMergedCloudIsNoSourceOfAnother) {
-  EXPECT_THAT(error_with("a: {sources: [roof]}\n  b: {sources: [a, tail]}"), HasSubstr("merged cloud"));
 }
 
 TEST(MergedCloudConfigs, AreSourcesOfVirtualScansByNameOrTopic) {
@@ -86,19 +53,6 @@ TEST(MergedCloudConfigs, AreSourcesOfVirtualScansByNameOrTopic) {
                 config.find_sensor("tail")->driver.keep_too_near);
     EXPECT_EQ(to_yaml(parse_config(to_yaml(config), "again")), to_yaml(config));
   }
-}
-
-TEST(MergedCloudConfigs, GiveNoScansForMergedScans) {
-  EXPECT_EQ(error_with("around: {sources: [roof]}\nmerged_scans: {m: {laserscan_topics: [around]}}"),
-            "f:9:39: merged_scans.m.laserscan_topics[0] names around, a merged cloud, which gives no scans; "
-            "expected "
-            "names of sensors that give scans: front, camera");
-}
-
-TEST(MergedCloudConfigs, ASourceOfAnotherDriverIsTakenForACloud) {
-  EXPECT_THAT(
-      error_with("around: {sources: [roof, camera]}\nmerged_scans: {m: {laserscan_topics: [camera]}}"),
-      HasSubstr("names camera, which merged_clouds.around takes for a cloud"));
 }
 
 }  // namespace

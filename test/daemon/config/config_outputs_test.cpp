@@ -12,12 +12,8 @@
 namespace lidard {
 namespace {
 
-using test::error_of;
-using test::merged_error;
 using test::roof_and_rear;
-using test::virtual_error;
 using ::testing::ElementsAre;
-using ::testing::StartsWith;
 
 Config with_outputs(const std::string& text) { return parse_config(roof_and_rear + text, "f"); }
 
@@ -95,17 +91,6 @@ TEST(MergedScanConfig, TakesItsRangesFromTheModels) {
   EXPECT_EQ(grid.range_max, find_model("sick_microscan3")->range_max);
 }
 
-TEST(MergedScanConfig, RefusesNoSourcesAtAll) {
-  const std::string expected = "; expected names of sensors that give scans: rear";
-  EXPECT_EQ(merged_error("beams: 100"), "f:7:3: merged_scans.m has no laserscan_topics" + expected);
-  EXPECT_EQ(merged_error("laserscan_topics: []"),
-            "f:7:25: merged_scans.m.laserscan_topics names nothing" + expected);
-  EXPECT_EQ(merged_error("laserscan_topics: ' '"),
-            "f:7:25: merged_scans.m.laserscan_topics names nothing" + expected);
-  EXPECT_EQ(merged_error("laserscan_topics: {}"),
-            "f:7:25: merged_scans.m.laserscan_topics is a mapping" + expected);
-}
-
 TEST(MergedScanConfig, ReadsTheProfileAndWhatItNeeds) {
   const Config config = with_outputs(
       "merged_scans: {m: {laserscan_topics: rear, profile: strict, unobserved: minus_inf, empty: zero, "
@@ -140,22 +125,6 @@ TEST(MergedScanConfig, WarnsWhenTheVehiclesOutlineIsNeededAndNotThere) {
   EXPECT_THAT(config.warnings[0], ::testing::HasSubstr("vehicle.footprint is not set"));
 }
 
-TEST(MergedScanConfig, RefusesWrongProfiles) {
-  EXPECT_EQ(merged_error("laserscan_topics: rear, profile: flat"),
-            "f:7:40: merged_scans.m.profile is \"flat\"; expected strict, safety or flatten");
-  EXPECT_THAT(
-      error_of("vehicle: {odometry_frame: odom}\n" + roof_and_rear +
-               "merged_scans: {m: {laserscan_topics: rear, destination_frame: odom}}\n"),
-      ::testing::HasSubstr("merged_scans.m.destination_frame is vehicle.odometry_frame; expected a frame "
-                           "that moves with the vehicle"));
-  EXPECT_EQ(merged_error("laserscan_topics: rear, echoes: 2nd"),
-            "f:7:39: merged_scans.m.echoes is \"2nd\"; expected first, last, strongest or all");
-  EXPECT_EQ(merged_error("laserscan_topics: rear, also: {x: safe}"),
-            "f:7:41: merged_scans.m.also.x is \"safe\"; expected strict, safety or flatten");
-  EXPECT_EQ(merged_error("laserscan_topics: rear, also: {x: {}}"),
-            "f:7:41: merged_scans.m.also.x is a mapping; expected strict, safety or flatten");
-}
-
 TEST(MergedScanConfig, AnEndBelowTheBeginMeansASectorThroughStraightBehind) {
   for (const auto& [first, last, from, to] :
        {std::array{2.5, -2.5, 2.5, two_pi - 2.5}, std::array{6.0, 5.9, 6 - two_pi, 5.9},
@@ -166,41 +135,6 @@ TEST(MergedScanConfig, AnEndBelowTheBeginMeansASectorThroughStraightBehind) {
     EXPECT_NEAR(config.merged_scans[0].output.grid.angle_min, from, 1e-9);
     EXPECT_NEAR(config.merged_scans[0].output.grid.angle_max, to, 1e-9);
   }
-}
-
-TEST(MergedScanConfig, RefusesGridsWhereTheMistakeStands) {
-  const std::string begin = "laserscan_topics: rear, ";
-  EXPECT_EQ(merged_error(begin + "angle_increment: 0"),
-            "f:7:48: merged_scans.m: angle_increment is not positive; expected a value above 0");
-  EXPECT_EQ(merged_error(begin + "angle_min: 1, angle_max: 1"),
-            "f:7:56: merged_scans.m: angle_max is not above angle_min; expected angle_min < angle_max");
-  EXPECT_EQ(merged_error(begin + "angle_increment: 0.1, beams: 10"),
-            "f:7:48: merged_scans.m: both angle_increment and beams are given; expected one of them");
-  EXPECT_EQ(merged_error(begin + "range_min: 5, range_max: 5"),
-            "f:7:56: merged_scans.m: range_max is not above range_min; expected range_min < range_max");
-  EXPECT_EQ(merged_error(begin + "beams: 1"),
-            "f:7:38: merged_scans.m.beams is 1; expected a whole number from 2 to 32767");
-  EXPECT_EQ(merged_error(begin + "angle_min: -180"),
-            "f:7:42: merged_scans.m.angle_min is -180; expected a number from -6.284 to 6.284 rad (degrees: "
-            "angle_min_deg)");
-  EXPECT_EQ(merged_error(begin + "angle_min: 1, angle_min_deg: 2"),
-            "f:7:45: merged_scans.m.angle_min_deg is given beside angle_min; expected one of the two");
-  EXPECT_THAT(merged_error(begin + "angle_increment: 1e-9"), StartsWith("f:7:48: merged_scans.m: "));
-}
-
-TEST(MergedScanConfig, RefusesHeightsEncodingsAndTimes) {
-  const std::string begin = "laserscan_topics: rear, ";
-  EXPECT_EQ(merged_error(begin + "min_height: 1, max_height: 0"),
-            "f:7:58: merged_scans.m.max_height leaves no height between min_height and max_height; expected "
-            "min_height < max_height");
-  EXPECT_EQ(
-      merged_error(begin + "empty: none"),
-      "f:7:38: merged_scans.m.empty is \"none\"; expected inf, nan, range_max_plus_one, minus_inf or zero");
-  EXPECT_EQ(merged_error(begin + "lost_after: 0"),
-            "f:7:43: merged_scans.m.lost_after is 0; expected a number from 0.001 to 3600 s");
-  EXPECT_EQ(merged_error(begin + "destination_pose: {xyz: [1, 0, 0]}"),
-            "f:7:49: merged_scans.m.destination_pose moves base_link against itself; expected no pose, or "
-            "another frame");
 }
 
 TEST(MergedScanConfig, WarnsOfScansThatGmappingDrops) {
@@ -312,49 +246,6 @@ TEST(VirtualScanConfig, LooksForTheGroundUnlessItIsToldWhereItIs) {
   EXPECT_EQ(config.virtual_scans[1].ground.model, GroundModel::none);
 }
 
-TEST(VirtualScanConfig, RefusesKeysThatPointsAloneHaveNoUseFor) {
-  const std::string begin = "cloud_topic: roof, virtual_laser_scan: a, ";
-  EXPECT_EQ(virtual_error(begin + "mode: slice"),
-            "f:7:55: virtual_scans.v.mode is of no use for a scan of profile flatten, which is points alone; "
-            "expected profile: strict or safety (or such a scan under also), or no such key");
-  EXPECT_THAT(virtual_error(begin + "ground: plane"), ::testing::HasSubstr("is of no use"));
-  EXPECT_EQ(virtual_error(begin + "ground: plane, also: {safe: safety}"), "no error");
-}
-
-TEST(VirtualScanConfig, RefusesWrongCuts) {
-  const std::string begin = "cloud_topic: roof, virtual_laser_scan: a, profile: strict, ";
-  EXPECT_THAT(virtual_error(begin + "mode: cut"), ::testing::HasSubstr("is \"cut\"; expected slice or band"));
-  EXPECT_THAT(virtual_error(begin + "ground: flat"),
-              ::testing::HasSubstr("is \"flat\"; expected none, plane or slope"));
-  EXPECT_THAT(virtual_error(begin + "echoes: first"), ::testing::HasSubstr("expected last or all"));
-  EXPECT_THAT(virtual_error(begin + "also: {a: safety, 'b c': strict}"), ::testing::StartsWith("f:"));
-}
-
-TEST(VirtualScanConfig, RefusesFramesThatAreNone) {
-  const std::string expected = "; expected names of frames, each the origin of one virtual scan";
-  EXPECT_EQ(virtual_error("cloud_topic: roof"),
-            "f:7:3: virtual_scans.v has no virtual_laser_scan" + expected);
-  EXPECT_EQ(virtual_error("cloud_topic: roof, virtual_laser_scan: []"),
-            "f:7:46: virtual_scans.v.virtual_laser_scan names nothing" + expected);
-  EXPECT_EQ(virtual_error("cloud_topic: roof, virtual_laser_scan: [a, a]"),
-            "f:7:50: virtual_scans.v.virtual_laser_scan[1] names a again; expected every frame once");
-  EXPECT_EQ(virtual_error("cloud_topic: roof, virtual_laser_scan: [chest], poses: {chst: {xyz: [0, 0, 1]}}"),
-            "f:7:63: unknown key virtual_scans.v.poses.chst; expected chest");
-  EXPECT_EQ(virtual_error("cloud_topic: roof, virtual_laser_scan: base_link, poses: {base_link: {xyz: [0, 0, "
-                          "1]}}"),
-            "f:7:76: virtual_scans.v.poses.base_link moves base_link against itself; expected no pose, or "
-            "another frame");
-}
-
-TEST(VirtualScanConfig, RefusesFramesThatAreNoTopicsUnlessTheTopicIsGiven) {
-  EXPECT_EQ(
-      virtual_error("cloud_topic: roof, virtual_laser_scan: [a-b]"),
-      "f:7:47: virtual_scans.v.virtual_laser_scan[0] is \"a-b\"; expected a topic name: letters, digits, _ "
-      "and /");
-  EXPECT_EQ(virtual_error("cloud_topic: roof, virtual_laser_scan: [a-b], output_laser_topic: ab"),
-            "no error");
-}
-
 TEST(VirtualScanConfig, WarnsOfSeveralFramesOnOneTopic) {
   const Config config = with_outputs(
       "merged_scans: {m: {laserscan_topics: rear}}\n"
@@ -365,31 +256,6 @@ TEST(VirtualScanConfig, WarnsOfSeveralFramesOnOneTopic) {
       config.warnings,
       ElementsAre("f:8:74: virtual_scans.v.output_laser_topic carries scans of 2 frames; leave it empty "
                   "for one topic per frame"));
-}
-
-TEST(OutputTopics, MustAllDiffer) {
-  const std::string own = "; expected a topic of its own";
-  EXPECT_EQ(
-      merged_error("laserscan_topics: rear, cloud_destination_topic: m"),
-      "f:7:56: merged_scans.m.cloud_destination_topic would publish on m, the topic of merged_scans.m" + own);
-  EXPECT_EQ(merged_error("laserscan_topics: rear, scan_destination_topic: roof/points"),
-            "f:7:55: merged_scans.m.scan_destination_topic would publish on roof/points, the topic of "
-            "sensors.roof" +
-                own);
-  EXPECT_EQ(merged_error("laserscan_topics: rear, scan_destination_topic: rear/scan"),
-            "f:7:55: merged_scans.m.scan_destination_topic would publish on rear/scan, the topic of "
-            "sensors.rear" +
-                own);
-  EXPECT_EQ(merged_error("laserscan_topics: rear, scan_destination_topic: /diagnostics"),
-            "f:7:55: merged_scans.m.scan_destination_topic would publish on /diagnostics, the topic of ROS "
-            "itself" +
-                own);
-  EXPECT_EQ(error_of(roof_and_rear + "merged_scans: {m: {laserscan_topics: rear}}\n"
-                                     "virtual_scans: {v: {cloud_topic: roof, virtual_laser_scan: [a, m]}}\n"),
-            "f:6:19: merged_scans.m would publish on m, the topic of virtual_scans.v" + own);
-  EXPECT_EQ(
-      error_of("sensors:\n  a: {topic: s}\n  b: {topic: /s}\n"),
-      "f:3:14: sensors.b.topic is the topic of sensors.a already; expected the topic of another driver");
 }
 
 }  // namespace

@@ -202,33 +202,6 @@ TEST(Moving, ThePageOfTheManualHasTheTables) {
       << "lidard import --tables";
 }
 
-TEST(Moving, AParameterAtItsDefaultIsNoWarning) {
-  const DropinSetup idle = velodyne_node_setup({{"model", "VLP16"}, {"rpm", "600"}, {"gps_time", "False"}});
-  EXPECT_TRUE(idle.warnings.empty()) << idle.warnings.front();
-  EXPECT_EQ(idle.remarks.size(), 2U);
-  const DropinSetup changed = velodyne_node_setup({{"model", "VLP16"}, {"rpm", "1200"}});
-  ASSERT_EQ(changed.warnings.size(), 1U);
-  EXPECT_THAT(changed.warnings[0], HasSubstr("~rpm (1200) has no effect"));
-}
-
-TEST(Moving, ASickThatIsNotReadIsRefusedByItsName) {
-  try {
-    sick_scan_setup({{"scanner_type", "sick_mrs_6xxx"}});
-    ADD_FAILURE() << "was taken";
-  } catch (const ConfigError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("sick_mrs_6xxx"));
-    EXPECT_THAT(error.what(), HasSubstr("sick_mrs_1xxx"));
-  }
-}
-
-TEST(Moving, ScansOfAMultiPlaneSickHaveNoKeysOfPlanarOnes) {
-  const DropinSetup setup = sick_scan_setup(
-      {{"scanner_type", "sick_mrs_1xxx"}, {"cloud_topic", "fog"}, {"min_ang", "-1"}, {"intensity", "true"}});
-  const Config config = parse_config(setup.keys.yaml(), "p");
-  EXPECT_EQ(config.sensors.at(0).points_topic, "fog");
-  EXPECT_THAT(remarks_of(setup), HasSubstr("key angle_min was left out"));
-}
-
 // x, y, z, roll, pitch, yaw of the points in the frame whose place tf_base_lidar_xyz_rpy says.
 TEST(Moving, WhatMovesThePointsOfASickBesidesTfIsPartOfItsPose) {
   const NodeParameters upside_down{{"scanner_type", "sick_lrs_36x0"},
@@ -250,37 +223,6 @@ TEST(Moving, WhatMovesThePointsOfASickBesidesTfIsPartOfItsPose) {
   EXPECT_LT((own.transforms[0].pose * Eigen::Vector3d(4, 1, 0) - Eigen::Vector3d(4.5, -1, 0)).norm(), 1e-5);
   elsewhere["add_transform_xyz_rpy"] = "0.5,0,0";
   EXPECT_THROW(sick_scan_setup(elsewhere), ConfigError);
-}
-
-TEST(Moving, TheCloudOfAPlanarSickIsThatOfAMergedScanOfItAlone) {
-  const Config config = parse_config(
-      sick_scan_setup({{"scanner_type", "sick_tim_7xx"}, {"frame_id", "/front"}, {"cloud_topic", "fog"}})
-          .keys.yaml(),
-      "p");
-  ASSERT_EQ(config.merged_scans.size(), 1U);
-  const MergedScanConfig& merged = config.merged_scans[0];
-  EXPECT_EQ(merged.laserscan_topics, std::vector<std::string>{config.sensors.at(0).name});
-  EXPECT_EQ(merged.cloud_destination_topic, "fog");
-  EXPECT_EQ(merged.destination_frame, "front");
-  EXPECT_EQ(
-      parse_config(sick_scan_setup({{"scanner_type", "sick_tim_7xx"}, {"cloud_topic", ""}}).keys.yaml(), "p")
-          .merged_scans.size(),
-      0U);
-}
-
-TEST(Moving, AMulticastGroupOfASafetyScannerIsJoined) {
-  const DropinSetup setup = safety_scanners_setup({{"host_ip", "239.0.0.10"}});
-  EXPECT_EQ(parse_config(setup.keys.yaml(), "p").sensors.at(0).multicast_group,
-            IpAddress::parse("239.0.0.10"));
-}
-
-TEST(Moving, AModelMayAlsoHaveItsNameHere) {
-  const auto model_of = [](const DropinSetup& setup) {
-    return parse_config(setup.keys.yaml(), "p").sensors.at(0).model->name;
-  };
-  EXPECT_EQ(model_of(sick_scan_setup({{"scanner_type", "sick_multiscan165"}})), "sick_multiscan165");
-  EXPECT_EQ(model_of(nebula_setup({{"sensor_model", "velodyne_hdl32e"}})), "velodyne_hdl32e");
-  EXPECT_EQ(model_of(velodyne_node_setup({{"model", "velodyne_puck_hires"}})), "velodyne_puck_hires");
 }
 
 }  // namespace

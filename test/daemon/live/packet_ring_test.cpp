@@ -5,10 +5,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "test/support/allocations.h"
 
 namespace lidard {
 namespace {
@@ -48,14 +49,6 @@ std::vector<std::uint64_t> numbers(PacketRing::Snapshot snapshot, Stamp since) {
     all.push_back(packet.missing);
   });
   return all;
-}
-
-std::size_t resident() {
-  std::FILE* const file = std::fopen("/proc/self/statm", "r");
-  unsigned long pages = 0, all = 0;
-  EXPECT_EQ(std::fscanf(file, "%lu %lu", &all, &pages), 2);
-  std::fclose(file);
-  return pages * 4096;
 }
 
 TEST(PacketRing, KeepsTheNewestThatItsMemoryHolds) {
@@ -107,23 +100,23 @@ TEST(PacketRing, ASnapshotStaysAsItWasWhileTheRingGoesRoundAndItsMemoryIsReusedA
   add(0);
   PacketRing::Snapshot snapshot = ring.snapshot();
   add(3000);
-  const std::size_t before = resident();
+  const std::size_t before = test::resident_bytes();
   const auto read = numbers(std::move(snapshot), ring_start);
   ASSERT_GT(read.size(), 100U);
   EXPECT_EQ(read.back(), 2999U);
   add(6000);
-  EXPECT_LT(resident(), before + megabyte);
+  EXPECT_LT(test::resident_bytes(), before + megabyte);
 }
 
 TEST(PacketRing, TouchesNoMoreMemoryThanTheTimeNeeds) {
-  [[maybe_unused]] const std::size_t before = resident();
+  [[maybe_unused]] const std::size_t before = test::resident_bytes();
   PacketRing ring(200 * megabyte);
   Mill mill;
   // A minute of 10 packets a second, for an hour.
   for (std::uint64_t n = 0; n < 36'000; ++n)
     ring.add(mill.make(n, ring_start + milliseconds(100 * n)), longest);
 #ifndef __SANITIZE_THREAD__  // which remembers accesses in memory of its own
-  EXPECT_LT(resident() - before, 4 * megabyte);
+  EXPECT_LT(test::resident_bytes() - before, 4 * megabyte);
 #endif
   EXPECT_EQ(numbers(ring.snapshot(), ring_start + milliseconds(3'599'900) - longest).size(), 601U);
 }

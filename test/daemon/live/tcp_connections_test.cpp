@@ -4,14 +4,11 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
-
-#include <filesystem>
-#include <fstream>
 
 #include "daemon/health/network_health.h"
 #include "daemon/offline/no_transforms.h"
 #include "test/daemon/live/live_bench.h"
+#include "test/support/allocations.h"
 #include "test/support/ros_master.h"
 #include "test/support/says.h"
 #include "test/support/tcp_peer.h"
@@ -169,18 +166,6 @@ TEST(TcpConnections, DialTheSenderWhereNoAddressIsConfiguredAndNobodyInListenOnl
   }
 }
 
-std::size_t open_files() {
-  const std::filesystem::directory_iterator files("/proc/self/fd");
-  return static_cast<std::size_t>(std::distance(begin(files), end(files)));
-}
-/// Resident memory in kB.
-long resident() {
-  std::ifstream file("/proc/self/statm");
-  long all = 0, pages = 0;
-  file >> all >> pages;
-  return pages * sysconf(_SC_PAGESIZE) / 1024;
-}
-
 TEST(TcpConnections, LoseNothingOfOtherSensorsAndLeakNothingWhileOneDisconnectsAThousandTimes) {
   TcpPeer peer;
   const Model planar = line_model(Transport::tcp, peer.port());
@@ -199,15 +184,14 @@ TEST(TcpConnections, LoseNothingOfOtherSensorsAndLeakNothingWhileOneDisconnectsA
     b.io.restart();
     b.io.run_for(milliseconds(1));
   };
-  long memory = 0;
-  std::size_t files = 0;
+  std::size_t memory = 0, files = 0;
   for (int i = 1; i <= 1100; ++i) {
     const auto limit = Clock::now() + std::chrono::seconds(20);
     while (!peer.accept()) {
       ASSERT_LT(Clock::now(), limit) << i;
       turn();
     }
-    if (i == 100) memory = resident(), files = open_files();
+    if (i == 100) memory = resident_bytes(), files = open_files();
     ASSERT_TRUE(peer.send("scan\nhalf"));
     while (b.pipeline.frames(0) < static_cast<std::uint64_t>(i)) {
       ASSERT_LT(Clock::now(), limit) << i;
@@ -221,7 +205,7 @@ TEST(TcpConnections, LoseNothingOfOtherSensorsAndLeakNothingWhileOneDisconnectsA
   EXPECT_EQ(b.pipeline.status(b.pipeline.now()).sensors[1].counters.packets, sent);
   EXPECT_LE(open_files(), files);
 #ifndef __SANITIZE_ADDRESS__  // which keeps for a while what was freed, and finds leaks itself
-  EXPECT_LE(resident() - memory, 512);
+  EXPECT_LE(resident_bytes(), memory + 512 * 1024);
 #endif
 }
 

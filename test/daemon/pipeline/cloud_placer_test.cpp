@@ -15,7 +15,6 @@
 #include "daemon/health/report.h"
 #include "daemon/pipeline/pipeline.h"
 #include "drivers/capture/pcap_source.h"
-#include "test/daemon/config/config_support.h"
 #include "test/sim/servers/scene_file.h"
 #include "test/sim/world/units.h"
 #include "test/support/allocations.h"
@@ -181,19 +180,6 @@ TEST(CloudPlacer, PosesThatDoNotComeAreToldAndCounted) {
   EXPECT_EQ(standing.remark, "");
   EXPECT_THAT(nowhere.verdicts.str(),
               HasSubstr("WARN roof: " + std::to_string(raw.clouds().size()) + " clouds not published"));
-}
-
-TEST(CloudPlacer, RefusesWhatCannotBe) {
-  const auto error = [](const std::string& vehicle, const std::string& sensor) {
-    return test::error_of(vehicle + "sensors: {a: {ip_address: 10.0.0.1, model: " + sensor + "}}");
-  };
-  EXPECT_THAT(error("", "velodyne_vlp16, deskew: true"),
-              HasSubstr("sensors.a.deskew needs to know how the vehicle moves; expected "
-                        "vehicle.odometry_frame, vehicle.odometry_topic or vehicle.imu_topic"));
-  EXPECT_THAT(error("vehicle: {odometry_frame: odom}\n", "sick_microscan3, deskew: true"),
-              HasSubstr("sensors.a.deskew is not available for sick_microscan3"));
-  EXPECT_EQ(error("", "velodyne_vlp16, points_frame: map"), "no error");
-  EXPECT_THAT(error("", "velodyne_vlp16, points_frame: a b"), HasSubstr("sensors.a.points_frame"));
 }
 
 TEST(CloudPlacer, NothingIsAllocatedPerCloudAfterWarmUp) {

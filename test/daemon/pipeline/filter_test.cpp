@@ -11,7 +11,6 @@
 #include "daemon/health/pipeline_health.h"
 #include "daemon/offline/no_transforms.h"
 #include "daemon/pipeline/pipeline.h"
-#include "test/daemon/config/config_support.h"
 #include "test/sim/servers/velodyne_stream.h"
 #include "test/support/recording_sink.h"
 #include "test/support/says.h"
@@ -19,7 +18,6 @@
 namespace lidard {
 namespace {
 
-using test::error_of;
 using ::testing::HasSubstr;
 
 const Endpoint sender{IpAddress::v4(192, 168, 1, 201), 2368};
@@ -139,34 +137,6 @@ TEST(SensorFilter, SaysThatNothingIsLeft) {
   const test::RecordingSink level = play(", filter: {cut_out: [[-900, -900, -0.01], [900, 900, 0.01]]}");
   EXPECT_GT(level.clouds.at("roof/points").back().size(), 1000U);
   EXPECT_THAT(level.item("sensor roof").message, HasSubstr("frames on roof/scan"));
-}
-
-TEST(SensorFilter, RefusesWhatMakesNoSense) {
-  const auto with = [](const std::string& model, const std::string& keys) {
-    return error_of("sensors: {a: {model: " + model + ", ip_address: 10.0.0.1, " + keys + "}}");
-  };
-  const std::string roof = "velodyne_vlp16", front = "sick_microscan3";
-  const std::string high = "filter: {box: [[-9, -9, 0.1], [9, 9, 2]]}";
-  EXPECT_THAT(with(front, high),
-              HasSubstr("sensors.a.filter.box leaves out the whole scan, which lies at z 0"));
-  EXPECT_THAT(with(roof, "scan_ring: auto, " + high), HasSubstr("filter.box leaves out the whole scan"));
-  EXPECT_EQ(with(roof, high), "no error");
-  EXPECT_THAT(with(roof, "filter: {cut_out: [[1, 2, 3], [4, 2, 6]]}"),
-              HasSubstr("filter.cut_out has no volume"));
-  EXPECT_THAT(with(roof, "filter: {box: [[1, 2, 3]]}"), HasSubstr("filter.box has 1 corners"));
-  EXPECT_THAT(with(roof, "filter: {box: {x_min: 1}}"), HasSubstr("expected two opposite corners"));
-  EXPECT_THAT(with(roof, "filter: {outlier_neighbours: 2}"),
-              HasSubstr("sensors.a.filter.outlier_neighbours is given without outlier_radius"));
-  EXPECT_THAT(with(roof, "filter: {voxel: 2}"), HasSubstr("voxel_size"));
-  EXPECT_THAT(with(front, "filter: {voxel_size: 0.1}"),
-              HasSubstr("sensors.a.filter.voxel_size is not available for sick_microscan3"));
-  EXPECT_THAT(with(front, "publish_intensity: false, filter: {intensity_min: 1}"),
-              HasSubstr("sensors.a.filter.intensity_min has nothing to go by: publish_intensity is false"));
-  EXPECT_THAT(error_of("sensors: {a: {topic: /scan, filter: {intensity_min: 1}}}"),
-              HasSubstr("sensors.a.filter does not apply to a source with topic:"));
-  EXPECT_EQ(
-      with(front, "filter: {intensity_min: 1, cut_out: [[0.1, 1, 1], [-1, -1, -1]], outlier_radius: 0.2}"),
-      "no error");
 }
 
 }  // namespace

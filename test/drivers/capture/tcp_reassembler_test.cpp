@@ -15,7 +15,6 @@ namespace lidard::test::segments {
 namespace {
 
 using ::testing::ElementsAre;
-using ::testing::IsEmpty;
 
 TEST(TcpReassembler, HandsOnWhatComesInOrderAtOnce) {
   TcpBench b;
@@ -91,39 +90,6 @@ TEST(TcpReassembler, GivesUpAHoleWhoseBytesTheReceiverAcknowledged) {
   EXPECT_THAT(b.stamps, ElementsAre(at(1), at(2), at(2.02)));  // it was received when it was captured
   EXPECT_EQ(b.streams.counters().holes, 1U);
   EXPECT_EQ(b.streams.counters().missing, 5U);
-}
-
-TEST(TcpReassembler, WaitsForBytesThatTheReceiverLacksToo) {
-  TcpBench b;
-  b.add(segment(100, "ab"), 1);
-  b.add(segment(104, "ef"), 1.1);
-  b.answer(102, 1.1);
-  b.add(segment(106, "gh"), 2.5);
-  EXPECT_EQ(b.all(), "ab");
-  b.add(segment(102, "cd"), 3);
-  EXPECT_EQ(b.all(), "abcdefgh");
-}
-
-TEST(TcpReassembler, GivesUpAHoleWhenPatienceEnds) {
-  TcpBench b;
-  b.add(segment(100, "ab"), 1);
-  b.add(segment(104, "ef"), 2);
-  b.streams.expire(at(4.9));
-  b.drain();
-  EXPECT_EQ(b.all(), "ab");
-  b.streams.expire(at(5.1));
-  b.drain();
-  EXPECT_EQ(b.all(), "abef");
-}
-
-TEST(TcpReassembler, GivesUpAtTheEndAndSaysHowMuchIsMissing) {
-  TcpBench b;
-  b.add(segment(100, "ab"));
-  b.add(segment(104, "ef"));
-  b.add(segment(110, "kl"));
-  b.flush();
-  EXPECT_THAT(b.chunks, ElementsAre("ab", "ef", "kl"));
-  EXPECT_THAT(b.missing, ElementsAre(0U, 2U, 4U));
 }
 
 TEST(TcpReassembler, HoldsLittleBehindAHole) {
@@ -271,6 +237,5 @@ TEST(TcpReassembler, AllocatesNothingForSegmentsInOrder) {
   EXPECT_EQ(allocations(), before);
 }
 
-/// A segment of the property test, and when it comes.
 }  // namespace
 }  // namespace lidard::test::segments

@@ -267,17 +267,6 @@ TEST(ScipClock, ARecordingOfAConnectionGivesTheStampsOfTheLiveRun) {
   }
 }
 
-TEST(ScipClock, LongStampsNeedNoGuessing) {
-  ScipDeviceOptions options = jittery(100, 700);
-  options.firmware = "4.1.0";
-  options.knows_percent = true;
-  ScipBench bench(options);
-  bench.run(30s);
-  const Errors e = errors(bench, 10);
-  EXPECT_LT(e.p99, 0.25e-3);
-  std::printf("microseconds: p99 %.3f ms, worst %.3f ms\n", e.p99 * 1e3, e.worst * 1e3);
-}
-
 TEST(ScipClock, AComparisonShowsWhatTheSensorTakesToSend) {
   ScipDeviceOptions options = jittery(20, 700);
   options.processing = 7ms;
@@ -290,21 +279,6 @@ TEST(ScipClock, AComparisonShowsWhatTheSensorTakesToSend) {
   EXPECT_LT(errors(with, 10).p99, 0.5e-3);
   EXPECT_NEAR(errors(without, 10).mean, 7e-3, 0.6e-3) << "by listening alone it cannot be known";
   EXPECT_NE(with.detail("Computed Latency"), "(missing)");
-}
-
-TEST(ScipClock, TheOverflowOfTheCounterIsNoStep) {
-  for (const bool percent : {false, true}) {
-    ScipDeviceOptions options = jittery(100, 100);
-    options.firmware = percent ? "4.1.0" : "3.0.0";
-    options.knows_percent = percent;
-    // 100 s pass before the client comes.
-    options.counter = ((std::uint64_t{1} << 24U) - 115'000) * 1000;
-    ScipBench bench(options);
-    bench.run(30s);
-    EXPECT_EQ(bench.driver->counters().clock_steps, 0U);
-    EXPECT_EQ(bench.driver->counters().lost_packets, 0U);
-    EXPECT_LT(errors(bench, 10).worst, 0.8e-3);
-  }
 }
 
 TEST(ScipClock, LostScansAreCountedByTheirTime) {

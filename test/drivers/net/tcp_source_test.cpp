@@ -4,12 +4,9 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <boost/asio/io_context.hpp>
 #include <chrono>
-#include <filesystem>
-#include <fstream>
 #include <thread>
 
 #include "test/support/allocations.h"
@@ -362,29 +359,16 @@ TEST(TcpSource, AllocatesNothingPerChunkOnceWarm) {
   EXPECT_EQ(test::allocations(), before);
 }
 
-std::size_t open_files() {
-  const std::filesystem::directory_iterator files("/proc/self/fd");
-  return static_cast<std::size_t>(std::distance(begin(files), end(files)));
-}
-/// Resident memory in kB.
-long resident() {
-  std::ifstream file("/proc/self/statm");
-  long all = 0, pages = 0;
-  file >> all >> pages;
-  return pages * sysconf(_SC_PAGESIZE) / 1024;
-}
-
 TEST(TcpSource, LeaksNothingOverAThousandDisconnects) {
   TcpPeer peer;
   TcpOptions options = to_port(peer.port());
   options.first_retry = options.last_retry = milliseconds(0);
   Bench b(options);
   b.source.start();
-  long memory = 0;
-  std::size_t files = 0;
+  std::size_t memory = 0, files = 0;
   for (int i = 1; i <= 1200; ++i) {
     ASSERT_TRUE(b.until([&] { return b.connects >= i && peer.accept(); })) << i;
-    if (i == 200) memory = resident(), files = open_files();
+    if (i == 200) memory = test::resident_bytes(), files = test::open_files();
     ASSERT_TRUE(peer.send("x"));
     b.source.send(ByteView("y"));
     i % 3 == 0 ? peer.reset_client() : peer.close_client();
@@ -392,9 +376,9 @@ TEST(TcpSource, LeaksNothingOverAThousandDisconnects) {
   }
   ASSERT_TRUE(b.until([&] { return b.connects == 1201 && peer.accept(); }));
   peer.close_client();
-  EXPECT_LE(open_files(), files);
+  EXPECT_LE(test::open_files(), files);
 #ifndef __SANITIZE_ADDRESS__  // which keeps for a while what was freed, and finds leaks itself
-  EXPECT_LE(resident() - memory, 256);
+  EXPECT_LE(test::resident_bytes(), memory + 256 * 1024);
 #endif
 }
 

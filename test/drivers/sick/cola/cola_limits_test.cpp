@@ -73,21 +73,6 @@ TEST(ColaWindow, IntensitiesOfAnotherNumberThanTheDistancesAreLeftAtZero) {
   EXPECT_THAT(bench.scans.at(0).intensities, testing::ElementsAre(0, 0, 0));
 }
 
-TEST(ColaStamps, TimeOffsetMovesThemAndNothingElse) {
-  for (const char* model : {"sick_lms1xx", "sick_lms5xx", "sick_tim7xx"}) {
-    DriverConfig config;
-    ColaBench plain(model, config);
-    config.time_offset = std::chrono::milliseconds(-37);
-    ColaBench moved(model, config);
-    for (int i = 0; i < 5; ++i) plain.send_next(), moved.send_next();
-    ASSERT_EQ(plain.scans.size(), 5U);
-    for (std::size_t i = 0; i < 5; ++i) {
-      EXPECT_EQ(moved.scans[i].stamp, plain.scans[i].stamp - std::chrono::milliseconds(37)) << model;
-      EXPECT_EQ(moved.scans[i].ranges, plain.scans[i].ranges);
-    }
-  }
-}
-
 /// s between the stamps of scans and when they began, the smallest of them taken away.
 double spread(const std::vector<double>& errors) {
   return *std::max_element(errors.begin(), errors.end()) - *std::min_element(errors.begin(), errors.end());
@@ -127,27 +112,6 @@ TEST(ColaStamps, AWayFromMeasuringToSendingOfTenSecondsOrMoreIsNone) {
   const double sweep = 540 * 0.5 / 360 * 0.02;
   EXPECT_NEAR(behind(10'000'001), sweep, 1e-5);
   EXPECT_NEAR(behind(static_cast<std::uint32_t>(-5)), sweep, 1e-5) << "sent before it was measured";
-}
-
-TEST(ColaStamps, OfACaptureThatBeginsAgainAreThoseOfItsFirstTime) {
-  ColaBench bench;
-  std::vector<Stamp> first;
-  const auto sample = bench.sample;
-  const Stamp begin = bench.now;
-  for (int loop = 0; loop < 3; ++loop) {
-    bench.sample = sample;
-    bench.now = begin;
-    bench.scans.clear();
-    for (int i = 0; i < 20; ++i) bench.send_next();
-    ASSERT_EQ(bench.scans.size(), 20U);
-    if (loop == 0)
-      for (const PlanarScan& scan : bench.scans) first.push_back(scan.stamp);
-    for (std::size_t i = 0; i < 20; ++i) EXPECT_EQ(bench.scans[i].stamp, first[i]) << loop << ", " << i;
-    bench.driver->restart();
-  }
-  EXPECT_EQ(bench.counters().lost_packets, 0U);
-  EXPECT_EQ(bench.counters().clock_steps, 0U);
-  EXPECT_EQ(bench.counters().frames, 60U);
 }
 
 }  // namespace

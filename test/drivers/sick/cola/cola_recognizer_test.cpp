@@ -320,15 +320,6 @@ TEST(ColaRecognizer, ASessionOfLmdscandatamonAloneIsDecoded) {
   EXPECT_EQ(got.output.scans[0].beams, 811U);
 }
 
-TEST(ColaRecognizer, LmdscandatamonBesideLmdscandataIsNotDecodedTwice) {
-  LIDARD_NEED_CAPTURE(path, "sick/tim7xx_sopas_et_field_test.pcap");
-  const Decoded got = decode_capture(path, "sick_tim7xx");
-  EXPECT_EQ(got.output.scans.size(), 139U);
-  EXPECT_EQ(got.counters.packets, 139U);
-  EXPECT_EQ(got.counters.other_packets, 138U);
-  EXPECT_EQ(got.counters.rejected_total(), 0U);
-}
-
 /// What is said of scans that were changed by `spoil`, as binary telegrams.
 template <class Spoil>
 std::string remark_of(Spoil spoil) {

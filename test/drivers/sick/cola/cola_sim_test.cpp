@@ -4,7 +4,6 @@
 // The driver against a simulated scanner on a virtual clock.
 #include <gmock/gmock.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "drivers/model.h"
@@ -76,17 +75,6 @@ class Session final : public DriverBench {
   double lag = 0;
 };
 
-TEST(ColaSim, StampsAreTheFirstBeamsInBothConventions) {
-  for (const bool last : {true, false}) {
-    ColaDeviceOptions options;
-    options.stamps_last_beam = last;
-    Session session(options, last ? "sick_lms1xx" : "sick_lms5xx");
-    session.connect();
-    session.run(2);
-    EXPECT_NEAR(session.lag, 50e-6, 20e-6) << "the way through the network";
-  }
-}
-
 TEST(ColaSim, ANavIsAskedForItsAngles) {
   for (const bool knows : {true, false}) {
     ColaDeviceOptions options;
@@ -134,22 +122,6 @@ TEST(ColaSim, ContaminationIsAskedForAgainAndAgainBesideTheStream) {
   }
 }
 
-TEST(ColaSim, ComesBackAfterAPowerCycle) {
-  Session session;
-  session.connect();
-  session.run(3);
-  const std::size_t before = session.scans.size();
-  session.device.power_cycle(session.now);
-  session.drop();
-  session.device.options().boot = std::chrono::seconds(1);
-  session.run(5);
-  EXPECT_EQ(session.scans.size(), before);
-  session.connect();
-  session.run(2);
-  EXPECT_GT(session.scans.size(), before + 90);
-  EXPECT_NEAR(session.lag, 50e-6, 50e-6);
-}
-
 TEST(ColaSim, ADeviceThatStillStartsUpIsAskedAgain) {
   ColaDeviceOptions options;
   options.boot = std::chrono::seconds(3);
@@ -185,23 +157,6 @@ TEST(ColaSim, WritesOnceAndFindsItAgreesNextTime) {
     EXPECT_EQ(session.device.writes(), 1);
     EXPECT_GT(session.scans.size(), 20U);
   }
-}
-
-TEST(ColaSim, FourPlanesOfAnMrs1000) {
-  ColaDeviceOptions options;
-  options.type = "MRS1xxxx";
-  options.scans_per_turn = 4;
-  options.start = -475000;
-  options.step = 2500;
-  options.exact_step_deg = 0.25;
-  options.beams = 1101;
-  options.layers = {250, -500, 0, -250};
-  options.stamps_last_beam = false;
-  Session session(options, "sick_mrs1000");
-  session.connect();
-  session.run(4);
-  EXPECT_GE(session.clouds.size(), 45U);
-  EXPECT_LE(session.driver->counters().partial_frames, 1U);
 }
 
 }  // namespace

@@ -64,24 +64,6 @@ TEST(ColaStream, NamesKindNameAndArguments) {
   EXPECT_TRUE(t.arguments().empty());
 }
 
-TEST(ColaStream, DoesNotMindWhereTheStreamIsCut) {
-  Bytes all;
-  for (unsigned i = 0; i < 6; ++i) all = all + number(i % 2 == 0 ? Cola::binary : Cola::text, 0x02020202 + i);
-  Reading whole;
-  whole.add(all);
-  ASSERT_EQ(whole.found.size(), 6U);
-  for (std::size_t cut = 0; cut <= all.size(); ++cut) {
-    const auto at = all.begin() + static_cast<std::ptrdiff_t>(cut);
-    Reading parts;
-    parts.add({all.begin(), at}).add({at, all.end()});
-    EXPECT_EQ(parts.found, whole.found) << "cut at " << cut;
-    EXPECT_EQ(parts.counters.rejected_total(), 0U);
-  }
-  Reading bytes;
-  for (const std::uint8_t byte : all) bytes.add({byte});
-  EXPECT_EQ(bytes.found, whole.found);
-}
-
 TEST(ColaStream, FindsTheNextTelegramWhenItJoinsInTheMiddle) {
   const Bytes first = number(Cola::binary, 0x02020202);
   const Bytes all = first + number(Cola::binary, 2) + of("\x02sSN N 3\x03");

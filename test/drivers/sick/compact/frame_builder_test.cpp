@@ -400,30 +400,6 @@ TEST(FrameBuilder, FramesThatAreCountedAnewGoOnThoughTimeAndTelegramsDo) {
   EXPECT_EQ(bench.driver->counters().rejected_total(), 0U);
 }
 
-TEST(FrameBuilder, StampsFollowTheDeviceClockNotTheNetwork) {
-  SegmentBench bench;
-  std::mt19937 random(3);
-  double worst = 0;
-  Stamp last;
-  for (std::uint64_t f = 0; f < 400; ++f) {
-    for (int i = 0; i < SegmentBench::segments; ++i) {
-      const double u = static_cast<double>(random() >> 8U) / 16777216.0;
-      const Span jitter = span_from_seconds(-1e-3 * std::log(1 - u));
-      const Stamp sent = bench.arrival(f, i);
-      const Span drift = (sent - bench.epoch) / 20'000;  // 50 ppm
-      bench.send(bench.encode(bench.segment(f, i)), sent + drift + jitter);
-    }
-    if (bench.scans.empty()) continue;
-    const PlanarScan& scan = bench.scans.back();
-    EXPECT_GT(scan.stamp, last);
-    last = scan.stamp;
-    const Stamp first = bench.host_of(bench.time_us(f, 0)) + std::chrono::milliseconds(2);
-    const Span drift = (first - bench.epoch) / 20'000;
-    if (f > 60) worst = std::max(worst, std::abs(seconds(scan.stamp - first - drift)));
-  }
-  EXPECT_LT(worst, 0.2e-3);
-}
-
 TEST(FrameBuilder, NothingIsAllocatedPerScanAfterWarmUp) {
   for (const std::uint32_t version : {4U, 0U}) {
     DriverConfig config;
