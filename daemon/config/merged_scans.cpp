@@ -87,14 +87,13 @@ void read_free_requires(const Mapping& yaml, const SourceList& list, Merged& mer
   }
 }
 
-void claim_topics(const Mapping& yaml, const Merged& merged, Reading& reading) {
+void claim_topics(const Mapping& yaml, Merged& merged, Reading& reading) {
   const std::string& owner = yaml.self().path();
-  const auto claim = [&](const std::string& topic, std::string_view key) {
-    if (!topic.empty()) reading.claims.publishes(topic, owner, yaml.where(key));
-  };
-  claim(merged.scan_destination_topic, "scan_destination_topic");
-  claim(merged.status_topic, "status_topic");
-  claim(merged.cloud_destination_topic, "cloud_destination_topic");
+  for (const Key& key : merged_keys(merged)) {
+    const auto* const topic = std::get_if<std::string>(&key.value);
+    if (key.kind == KeyKind::topic && topic != nullptr && !topic->empty())
+      reading.claims.publishes(*topic, owner, yaml.where(key.name));
+  }
   for (const AlsoScanConfig& also : merged.also)
     reading.claims.publishes(also.topic, owner, yaml.inside("also").where(also.topic));
 }

@@ -28,6 +28,8 @@ struct Frame : std::variant<const PlanarScan*, Cloud*, MergedCloud*, const Devic
       : variant(&cloud), has_points(with_points), merged_of(&of) {}
   Frame(MergedCloud& cloud) : variant(&cloud) {}
   Frame(const DeviceMessage& message) : variant(&message) {}
+  template <class Kind>
+  Frame(const ReusedMessage<Kind>& message) : Frame(static_cast<const DeviceMessage&>(message)) {}
   Frame(const std::vector<StaticTransform>& transforms) : variant(&transforms) {}
   /// The time of a replay.
   Frame(const Stamp& now) : variant(&now) {}

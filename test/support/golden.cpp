@@ -188,6 +188,8 @@ void Sums::message(const std::string& name, const DeviceMessage& message) {
     add_text(name + " frame", raw->frame_id);
     for (const Span arrival : raw->arrivals) add_exact(name + " arrivals", arrival.count());
     for (const std::uint8_t byte : raw->bytes) add_exact(name + " bytes", byte);
+  } else {
+    ADD_FAILURE() << name << " is a message of a kind whose contents are not summed up";
   }
 }
 

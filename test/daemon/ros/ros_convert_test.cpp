@@ -20,6 +20,14 @@ using test::sample_cloud;
 using test::sample_message;
 using test::sample_scan;
 
+TEST(MessageRows, EveryKindOfTopicAndOfMessageHasOne) {
+  for (std::size_t kind = 0; kind < std::variant_size_v<DeviceMessage>; ++kind)
+    EXPECT_NE(row_of({"t", TopicKind::message, true, kind}).maker()->type().name, "");
+  for (const TopicKind kind : {TopicKind::scan, TopicKind::echoes, TopicKind::cloud, TopicKind::merged_cloud,
+                               TopicKind::extended_scan, TopicKind::output_paths})
+    EXPECT_NE(row_of({"t", kind}).maker()->type().name, "");
+}
+
 TEST(MessageRows, StampEveryMessageByTheHostsClockAndReadItBack) {
   const ClockStep clock(-5s);
   const Cloud cloud = test::sample_cloud(3);
