@@ -12,7 +12,7 @@ namespace {
 constexpr Hundredths narrowest = 1000;
 /// An edge may move by this from turn to turn with the steps of the groups.
 constexpr Hundredths same_edge = 100;
-/// The search for unseen sectors looks at every such step: a narrower one is a step between groups.
+/// A narrower unseen sector is a step between groups.
 constexpr Hundredths finest = 50;
 /// Half the step on the wire, for both ends of an interpolation.
 constexpr Hundredths tolerance = 1;
@@ -52,14 +52,14 @@ std::uint64_t HiddenSector::lost_of(const StreamHole& hole, const Sector& hidden
   return static_cast<std::uint64_t>(std::max<std::int64_t>(1, std::llround(packets)) - 1);
 }
 
-/// The widest sector that nothing was received of in these turns, within an arc; none below `finest`, since
-/// only every such step is looked at.
-HiddenSector::Sector HiddenSector::widest_unseen(const Sector& arc) const {
+/// The widest sector that nothing was received of in these turns, within an arc; none of at most `least`:
+/// only every such step is looked at, and a wider sector contains one.
+HiddenSector::Sector HiddenSector::widest_unseen(const Sector& arc, Hundredths least) const {
   const auto is_edge = [&](Hundredths on) {
     return on == 0 || on == arc.width || seen_[static_cast<std::size_t>((arc.from + on) % whole_turn)];
   };
   Sector widest;
-  for (Hundredths on = finest; on < arc.width; on += finest) {
+  for (Hundredths on = least; on < arc.width; on += least) {
     if (is_edge(on)) continue;
     Hundredths begin = on;
     while (!is_edge(begin)) --begin;
@@ -71,7 +71,7 @@ HiddenSector::Sector HiddenSector::widest_unseen(const Sector& arc) const {
 
 /// Of the whole turn, if it is wide enough to be hidden between packets.
 HiddenSector::Sector HiddenSector::widest_unseen() const {
-  const Sector widest = widest_unseen({last_, whole_turn});
+  const Sector widest = widest_unseen({last_, whole_turn}, narrowest);
   return widest.width > narrowest ? widest : Sector();
 }
 
@@ -95,14 +95,14 @@ std::uint64_t HiddenSector::hole(const StreamHole& hole) {
 std::uint64_t HiddenSector::end_turn() {
   if (++turns_ == turns_for_certainty) {
     turns_ = 0;
-    const bool holds = widest_unseen(hidden_).width == hidden_.width && hidden_.width > 0;
+    const bool holds = widest_unseen(hidden_, finest).width == hidden_.width && hidden_.width > 0;
     const std::uint64_t lost = settle(holds ? hidden_ : widest_unseen());
     seen_.reset();
     return lost;
   }
   const auto waits = [this](const StreamHole& hole) {
     const auto turned = static_cast<Hundredths>(std::min<std::int64_t>(hole.turned, whole_turn));
-    return widest_unseen({hole.from, turned}).width > narrowest;
+    return widest_unseen({hole.from, turned}, narrowest).width > narrowest;
   };
   const auto lost_begin = std::stable_partition(waiting_.begin(), waiting_.end(), waits);
   std::uint64_t lost = 0;
@@ -121,7 +121,8 @@ std::uint64_t HiddenSector::receive(const PacketAzimuths& azimuths) {
   if (azimuths.hidden_total_deg <= 0) return lost;
   for (std::size_t g = 1; g < azimuths.groups; ++g) {
     const Hundredths before = azimuths.group[g - 1];
-    if (azimuths.hidden_deg[g] > 0) lost += settle(widest_unseen({before, ahead(before, azimuths.group[g])}));
+    if (azimuths.hidden_deg[g] > 0)
+      lost += settle(widest_unseen({before, ahead(before, azimuths.group[g])}, finest));
   }
   return lost;
 }

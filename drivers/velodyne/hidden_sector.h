@@ -44,7 +44,7 @@ class HiddenSector {
   };
 
   Sector widest_unseen() const;
-  Sector widest_unseen(const Sector& arc) const;
+  Sector widest_unseen(const Sector& arc, Hundredths least) const;
   std::uint64_t end_turn();
   std::uint64_t settle(const Sector& hidden);
   static std::int64_t groups_inside(const StreamHole& hole, const Sector& sector);
