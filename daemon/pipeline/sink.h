@@ -34,7 +34,7 @@ struct Frame : std::variant<const PlanarScan*, Cloud*, MergedCloud*, const Devic
   /// The time of a replay.
   Frame(const Stamp& now) : variant(&now) {}
 
-  /// What it is; throws std::bad_variant_access if it is something else.
+  /// The content, which is of this type; else throws std::bad_variant_access.
   template <class Content>
   const Content& of() const {
     if constexpr (std::is_constructible_v<DeviceMessage, Content>)

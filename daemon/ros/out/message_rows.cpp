@@ -15,10 +15,11 @@
 #include "daemon/ros/velodyne/velodyne_scan.h"
 
 namespace lidard {
+namespace {
 
 /// Makes the message of a cloud, which has up to 15 MB, around its points.
 template <class AnyCloud>
-class MakerOf<AnyCloud, sensor_msgs::PointCloud2> final : public MessageMaker {
+class CloudMaker final : public MessageMaker {
  public:
   const MessageType& type() const override { return type_of<sensor_msgs::PointCloud2>(); }
   RawMessage make(const Frame& frame, Stamp /*released*/, const ClockStep& clock) override {
@@ -72,13 +73,16 @@ class MakerOf<AnyCloud, sensor_msgs::PointCloud2> final : public MessageMaker {
   std::vector<std::shared_ptr<PointBytes>> buffers_;  // of messages that are on their way, and free ones
 };
 
-namespace {
+template <class AnyCloud>
+MessageRow cloud_row(TopicKind kind) {
+  return {kind, 0, 2,
+          []() -> std::unique_ptr<MessageMaker> { return std::make_unique<CloudMaker<AnyCloud>>(); }};
+}
 
 std::vector<MessageRow> frame_rows() {
   return {row<PlanarScan, sensor_msgs::LaserScan>(TopicKind::scan, 100),
           row<PlanarScan, sensor_msgs::MultiEchoLaserScan>(TopicKind::echoes, 100),
-          row<Cloud, sensor_msgs::PointCloud2>(TopicKind::cloud, 2),
-          row<MergedCloud, sensor_msgs::PointCloud2>(TopicKind::merged_cloud, 2)};
+          cloud_row<Cloud>(TopicKind::cloud), cloud_row<MergedCloud>(TopicKind::merged_cloud)};
 }
 
 }  // namespace

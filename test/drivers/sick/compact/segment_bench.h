@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -99,6 +100,19 @@ class SegmentBench final : public DriverBench {
   bool keep = true;
   std::size_t released = 0;
 };
+
+/// Number of beams that the scan says nothing of.
+inline std::size_t unobserved(const PlanarScan& scan) {
+  return static_cast<std::size_t>(
+      std::count(scan.statuses.begin(), scan.statuses.end(), BeamStatus::invalid));
+}
+
+inline void expect_geometry(const PlanarScan& scan) {
+  EXPECT_EQ(scan.beams, SegmentBench::all_beams);
+  EXPECT_NEAR(static_cast<double>(scan.angle_min) / bench_rad, -138, 1e-4);
+  EXPECT_NEAR(static_cast<double>(scan.angle_max) / bench_rad, 138, 1e-3);
+  EXPECT_NEAR(static_cast<double>(scan.angle_increment) / bench_rad, 0.5, 1e-6);
+}
 
 /// Bytes of a file; empty where it cannot be read.
 inline std::vector<std::uint8_t> file_bytes(const std::string& path) {
