@@ -6,7 +6,6 @@
 
 #include "drivers/velodyne/models.h"
 #include "drivers/velodyne/packet.h"
-#include "drivers/velodyne/packet_order.h"
 #include "drivers/velodyne/telemetry.h"
 
 namespace lidard::velodyne {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <utility>
 
 namespace lidard::velodyne {
 namespace {
@@ -92,6 +93,36 @@ void TimingChooser::add(Span step, std::size_t sequences) {
 Span TimingChooser::measured_sequence() const {
   if (count_ == 0) return chosen_->sequence;
   return Span(sum_ / static_cast<std::int64_t>(std::min(count_, steps_.size())));
+}
+
+void Rotation::add(double azimuth_deg, Span step) {
+  // Long compared with the resolution of stamps and azimuths, short enough to follow the motor.
+  constexpr double window_s = 0.2;
+  constexpr Span longest_step = std::chrono::milliseconds(40);  // below one turn at 1200 rpm
+  const double turned = std::fmod(azimuth_deg - std::exchange(last_azimuth_deg_, azimuth_deg) + 360.5, 360);
+  if (step <= Span(0) || step > longest_step) return;
+  turned_deg_ += turned - 0.5;
+  turned_s_ += seconds(step);
+  if (turned_s_ < window_s) return;
+  turned_deg_ /= 2;
+  turned_s_ /= 2;
+}
+
+double Rotation::rate() const { return turned_s_ > 0 ? plausible_rate(turned_deg_ / turned_s_) : 0; }
+
+double Rotation::rate_at(const PacketAzimuths& azimuths, Span time, Span sequence, std::size_t per_block) {
+  const double usual = rate();
+  if (azimuths.hidden_total_deg <= 0) return usual;
+  std::size_t g = 1;
+  while (azimuths.hidden_deg[g] <= 0) ++g;
+  const Edge edge{time + sequence * static_cast<int>((g - 1) * per_block), azimuths.group_deg(g - 1)};
+  const std::optional<Edge> before = std::exchange(edge_, edge);
+  if (!before) return usual;
+  const double elapsed = seconds(edge.time - before->time);
+  const double beyond = std::remainder(edge.azimuth_deg - before->azimuth_deg, 360);
+  const double turns = std::round((usual * elapsed - beyond) / 360);
+  constexpr double recent_turns = 3;
+  return turns < 1 || turns > recent_turns ? usual : plausible_rate((360 * turns + beyond) / elapsed);
 }
 
 namespace {

@@ -56,6 +56,32 @@ class TimingChooser {
   std::int64_t sum_ = 0;
 };
 
+/// Measures the rotation from the azimuths of packets.
+class Rotation {
+ public:
+  /// Adds a packet by the azimuth of its first block, `step` after the packet before; 0: none before.
+  void add(double azimuth_deg, Span step);
+  /// Over the last packets, deg/s, a plausible one; 0 unknown.
+  double rate() const;
+  /// The same for a packet at `time` with a hidden sector inside: over full turns, from one begin of the
+  /// sector to the next. `sequence`: from firing sequence to firing sequence, `per_block` of them in a block.
+  double rate_at(const PacketAzimuths& azimuths, Span time, Span sequence, std::size_t per_block);
+  /// The next hidden sector is the first one.
+  void forget_sector() { edge_.reset(); }
+  /// Restarts with the next packet.
+  void restart() { *this = Rotation(); }
+
+ private:
+  /// Where and when a hidden sector begins.
+  struct Edge {
+    Span time;
+    double azimuth_deg;
+  };
+  double last_azimuth_deg_ = 0;
+  double turned_deg_ = 0, turned_s_ = 0;
+  std::optional<Edge> edge_;  // of the last hidden sector inside a packet
+};
+
 /// Stamps for packets without stamps (HDL-64E S1): a packet's number times the measured packet period, as
 /// from a clock that starts with the first packet.
 ///

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "drivers/velodyne/packet_order.h"
+#include "drivers/velodyne/packet_stream.h"
 
 namespace lidard::velodyne {
 

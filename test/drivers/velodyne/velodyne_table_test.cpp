@@ -8,7 +8,7 @@
 #include "drivers/registry/registry.h"
 #include "drivers/velodyne/calibration.h"
 #include "drivers/velodyne/models.h"
-#include "drivers/velodyne/packet_order.h"
+#include "drivers/velodyne/packet_stream.h"
 
 namespace lidard::velodyne {
 namespace {

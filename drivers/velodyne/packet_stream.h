@@ -13,6 +13,7 @@
 #include "drivers/velodyne/hidden_sector.h"
 #include "drivers/velodyne/models.h"
 #include "drivers/velodyne/packet.h"
+#include "drivers/velodyne/timing.h"
 
 namespace lidard::velodyne {
 
@@ -24,23 +25,27 @@ struct OrderedPacket {
   bool other_product;   ///< the product byte is not the model's
   const PacketLayout* layout;
   PacketAzimuths azimuths;
+  Span time;         ///< device time, unwrapped; set by PacketStream, as the next member
+  bool begins_anew;  ///< the device's clock was set, or packets were missing for seconds
 
   DataPacket view() const { return DataPacket(ByteView(bytes.data(), bytes.size())); }
 };
 
-/// Sorts packets by their stamps. A packet is held back for one packet only after a gap in the stamps, so
-/// that undisturbed packets are not delayed. It also decides from the packet period whether packets with
-/// another product byte belong to the configured model.
-class PacketOrder {
+/// Sorts packets by their stamps and measures what their firing times depend on: timing variant and rotation.
+///
+/// A packet is held back for one packet only after a gap in the stamps, or if only the next packet shows its
+/// firing times, so that undisturbed packets are not delayed. The packet period also shows whether packets
+/// with another product byte belong to the configured model.
+class PacketStream {
  public:
-  PacketOrder(const ModelRow& row, Counters& counters)
-      : row_(row), counters_(counters), timing_(&row.timings.front()), decided_(row.timings.size() == 1) {}
+  PacketStream(const ModelRow& row, Counters& counters)
+      : row_(row), counters_(counters), timing_(&row.timings.front()), chooser_(row) {}
 
-  /// Adds a packet of the right size and calls `use(packet, device_time)` for the packets that are due, in
-  /// order; device time is unwrapped. Returns why this packet, or the one held back before it, was rejected
-  /// (already counted).
+  /// Adds a packet of the right size and calls `use(packet, next)` for the packets that are due, in order;
+  /// `next` only for a packet that has waited for the next one. Returns why this packet, or the one held back
+  /// before it, was rejected (already counted).
   template <typename Use>
-  Reject add(const OrderedPacket& packet, Use&& use) {
+  Reject add(OrderedPacket& packet, Use&& use) {
     if (packet.other_product) {
       const Reject verdict = judge_product(packet);
       if (verdict != Reject::none) return verdict;
@@ -103,23 +108,26 @@ class PacketOrder {
       advance(held_, use);
     }
     holding_ = false;
+    release(std::nullopt, use);
     count_early_holes();
     counters_.lost_packets += hidden_.finish();
   }
   void reset() {
-    started_ = holding_ = false;
+    started_ = holding_ = passed_ = false;
+    waiting_.reset();
+    rotation_.forget_sector();
     hidden_.reset();
     early_count_ = 0;
   }
-  /// Sets the timing variant; `decided`: the packets confirm it.
-  void set_timing(const Timing& timing, bool decided) {
-    timing_ = &timing;
-    decided_ = decided;
-    if (decided) count_early_holes();
+  /// That of the packet that `use` gets.
+  const Timing& timing() const { return *timing_; }
+  /// From sequence to sequence, where pauses are random.
+  Span measured_sequence() const { return chooser_.measured_sequence(); }
+  /// The rotation at a packet, for the duration of a hidden sector inside it; deg/s, 0 unknown.
+  double turn_rate(const OrderedPacket& packet) {
+    return rotation_.rate_at(packet.azimuths, packet.time, chooser_.timing().sequence,
+                             row_.sequences_per_block());
   }
-
-  /// Measured rotation, deg/s, a plausible one; 0 unknown.
-  void set_turn_rate(double deg_per_s) { turn_rate_ = deg_per_s; }
   /// Number of overflows of the stamps' hour.
   std::uint64_t wraps() const { return wraps_; }
 
@@ -127,7 +135,7 @@ class PacketOrder {
   Span period(const OrderedPacket& p) const { return row_.packet_period(*timing_, p.layout->echoes); }
   /// The rotation, deg/s; 0 unknown.
   double rate() const {
-    if (turn_rate_ > 0 || last_azimuths_.groups == 0) return turn_rate_;
+    if (rotation_.rate() > 0 || last_azimuths_.groups == 0) return rotation_.rate();
     const Span group = last_period_ / static_cast<int>(last_azimuths_.groups);
     return plausible_rate(last_azimuths_.step_deg / seconds(group));
   }
@@ -157,7 +165,7 @@ class PacketOrder {
     const Hundredths beyond = packet.azimuths.group[0] - hole.hole.from;
     const std::int64_t turns = std::llround((rate() * seconds(step) * 100 - beyond) / whole_turn);
     hole.hole.turned = beyond + whole_turn * std::max<std::int64_t>(turns, beyond < -jitter ? 1 : 0);
-    if (!decided_ && early_count_ < early_.size()) {
+    if (!chooser_.decided() && early_count_ < early_.size()) {
       early_[early_count_++] = hole;
     } else {
       count_hole(hole);
@@ -265,22 +273,63 @@ class PacketOrder {
   }
 
   template <typename Use>
-  void advance(const OrderedPacket& packet, Use&& use) {
+  void advance(OrderedPacket& packet, Use&& use) {
+    // Times within a frame are differences, so a jump of the device's clock ends the frame.
+    constexpr Span jump = std::chrono::seconds(5);
     const std::uint32_t us = packet.view().stamp_us();
+    packet.begins_anew = passed_ && !started_;
+    Span step{0};
     if (!started_) {
-      time_ = std::chrono::microseconds(us);
+      packet.time = std::chrono::microseconds(us);
     } else {
-      const Span step = since_last(packet);
-      time_ += step;
+      step = since_last(packet);
+      packet.time = time_ + step;
       if (us < last_us_ && step > Span(0)) ++wraps_;
       count_loss(packet, step);
+      packet.begins_anew = step < Span(0) || step > jump;
     }
     started_ = true;
+    time_ = packet.time;
     last_us_ = us;
     last_arrival_ = packet.arrival;
     remember(packet);
     if (packet.other_product) ++counters_.wrong_product;
-    use(packet, time_);
+    pass_on(packet, step, use);
+  }
+
+  /// Passes a packet on, `step` after the one before; it waits if only the next one shows its firing times.
+  template <typename Use>
+  void pass_on(const OrderedPacket& packet, Span step, Use&& use) {
+    if (packet.begins_anew) {
+      release(std::nullopt, use);
+      rotation_.restart();
+    }
+    rotation_.add(packet.view().azimuth(0) * 0.01, step);
+    if (passed_ && !packet.begins_anew) {
+      chooser_.add(step, row_.sequences_per_packet(last_echoes_));
+      release(NextPacket{step}, use);
+    }
+    passed_ = true;
+    last_echoes_ = packet.layout->echoes;
+    if (row_.random_rest || packet.azimuths.hidden_total_deg > 0 || !chooser_.decided())
+      waiting_ = packet;
+    else
+      give(packet, std::nullopt, use);
+  }
+
+  template <typename Use>
+  void release(const std::optional<NextPacket>& next, Use&& use) {
+    if (!waiting_) return;
+    give(*waiting_, next, use);
+    waiting_.reset();
+  }
+
+  template <typename Use>
+  void give(const OrderedPacket& packet, const std::optional<NextPacket>& next, Use&& use) {
+    const bool is_old = row_.without_factory_bytes != nullptr && !row_.has_product(packet.view().product());
+    timing_ = is_old ? row_.without_factory_bytes : &chooser_.timing();
+    if (chooser_.decided()) count_early_holes();
+    use(packet, next);
   }
 
   const ModelRow& row_;
@@ -295,12 +344,15 @@ class PacketOrder {
   PacketAzimuths last_azimuths_;
   std::size_t late_in_row_ = 0;
   const Timing* timing_;
-  bool decided_;
+  TimingChooser chooser_;
+  Rotation rotation_;
   HiddenSector hidden_;
   std::array<Hole, 16> early_{};  // before the timing variant, which gives their packets, was known
   std::size_t early_count_ = 0;
-  double turn_rate_ = 0;
-  Span time_{0};
+  Span time_{0};                               // of the last packet
+  std::size_t last_echoes_ = 1;                // of the last packet
+  bool passed_ = false;                        // a packet was passed on, or waits
+  std::optional<OrderedPacket> waiting_;       // until the next packet shows its times
   std::optional<std::uint8_t> wrong_product_;  // of packets that are of the model although they name this one
 };
 
