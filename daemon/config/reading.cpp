@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/config/reading.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "core/base/nearest.h"
@@ -50,8 +52,8 @@ void ConfigClaims::holds_frame(const std::string& child, const std::string& pare
   // tf knows a tree: a frame that hangs from itself would lose its parent.
   for (auto up = frames_.find(parent); up != frames_.end(); up = frames_.find(up->second.parent)) {
     if (up->second.parent == child)
-      value.fail("places " + child + " in " + parent + ", which the pose of " + up->first + " in " +
-                     up->second.owner + " places in " + child,
+      value.fail(fmt::format("places {0} in {1}, which the pose of {2} in {3} places in {0}", child, parent,
+                             up->first, up->second.owner),
                  "poses that lead from each frame up to vehicle.base_frame");
   }
   const auto [frame, is_new] = frames_.emplace(child, Frame{parent, pose, owner});

@@ -85,23 +85,23 @@ std::string names_of(const std::vector<const Model*>& models) {
 void judge_data(const SensorStatus& report, DiagnosticItem& item) {
   const SensorConfig& config = *report.config;
   const Counters& c = report.counters;
-  const FrameKind kind = config.model != nullptr ? config.model->kind : FrameKind::scan;
+  const Model* const model = config.model;
+  const FrameKind kind = model != nullptr ? model->kind : FrameKind::scan;
   const ReceptionVerdict verdict = lidard::judge(report.recent, kind);
   const Health level =
       report.info.has_fault ? Health::error : Health::warn;  // what the device's warnings mean
   if (std::string rivals = rivals_text(report.recent, config.ip_port); !rivals.empty()) {
     item.set(Health::error, std::move(rivals));
-  } else if (!report.rivals.empty()) {
-    item.set<says::two_devices>(report.address.to_string(), config.model->transport == Transport::tcp
+  } else if (model != nullptr && !report.rivals.empty()) {
+    item.set<says::two_devices>(report.address.to_string(), model->transport == Transport::tcp
                                                                 ? text<says::serial_numbers>(report.rivals)
                                                                 : report.rivals);
-  } else if (!report.other_models.empty() && is_all_refused(report.recent.counters)) {
-    item.set<says::other_model>(names_of(report.other_models), config.model->product,
+  } else if (model != nullptr && !report.other_models.empty() && is_all_refused(report.recent.counters)) {
+    item.set<says::other_model>(names_of(report.other_models), model->product,
                                 report.other_models.front()->name);
   } else if (c.packets > 0 && c.rejected_total() == c.packets) {
-    config.model != nullptr
-        ? item.set<says::no_usable_packet>(rejected_text(c), config.model->product)
-        : item.set(Health::error, text<says::unusable_messages>(rejected_text(c), config.topic));
+    model != nullptr ? item.set<says::no_usable_packet>(rejected_text(c), model->product)
+                     : item.set(Health::error, text<says::unusable_messages>(rejected_text(c), config.topic));
   } else if (report.clock_ahead && verdict.health != Health::error) {
     item.set(Health::warn, clock_trouble(where_from(config), *report.clock_ahead, true));
   } else if (verdict.health != Health::ok) {
@@ -115,8 +115,8 @@ void judge_data(const SensorStatus& report, DiagnosticItem& item) {
     item.set(level, warnings_of(report));
   } else if (std::string filter = filter_trouble(report.filters); !filter.empty()) {
     item.set(Health::warn, std::move(filter));
-  } else if (config.model != nullptr && c.frames == 0) {
-    item.message = why_no_frame(*config.model, c, span_from_seconds(report.whole.watched_s));
+  } else if (model != nullptr && c.frames == 0) {
+    item.message = why_no_frame(*model, c, span_from_seconds(report.whole.watched_s));
   } else {
     item.set<says::receiving>();
   }

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/python/replay_reader.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -30,9 +32,8 @@ ReplayReader::ReplayReader(Config config, const std::vector<std::string>& captur
   for (const OutputTopic& topic : output_topics(config_)) known.insert(topic.name);
   for (const std::string& topic : topics_) {
     if (known.count(topic) > 0) continue;
-    std::string all;
-    for (const std::string& name : known) all += (all.empty() ? "" : ", ") + name;
-    throw std::runtime_error("no topic " + topic + " in the configuration; expected one of " + all);
+    throw std::runtime_error(
+        fmt::format("no topic {} in the configuration; expected one of {}", topic, fmt::join(known, ", ")));
   }
   for (const SensorConfig& sensor : config_.sensors) {
     for (const OutputTopic& topic : sensor_topics(sensor)) sensor_of_[topic.name] = sensor.name;

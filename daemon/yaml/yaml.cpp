@@ -136,7 +136,7 @@ std::string open_bracket(const std::string& text) {
 /// What is wrong before a syntax error, where the parser only notices it; else the parser's words.
 std::string cause_of(const YAML::Exception& error, const std::string& text) {
   const YAML::Mark& mark = error.mark;
-  const std::string open = open_bracket(text.substr(0, static_cast<std::size_t>(std::max(mark.pos, 0))));
+  std::string open = open_bracket(text.substr(0, static_cast<std::size_t>(std::max(mark.pos, 0))));
   if (!open.empty()) return open;
   std::istringstream lines(text);
   std::string last, line;

@@ -39,6 +39,7 @@ void ScipDialogue::connected(Stamp now, FrameReceiver& out) {
 
 /// From any state of the sensor to its stream. Continues after each `yield` with the answer; a comparison
 /// also without one.
+// NOLINTNEXTLINE(readability-function-size): the steps of one dialogue are one coroutine.
 void ScipDialogue::script(FrameReceiver& out) {
   reenter(script_) {
     comparing_ = false;

@@ -155,7 +155,7 @@ void for_each_entry(std::string_view body, Use&& use) {
 /// between them, with cluster and skip.
 inline ScipScanRequest request_for(const ScipParameters& p, const DriverConfig& config) {
   ScipScanRequest request;
-  const auto steps = static_cast<std::size_t>(p.last_step - p.first_step + 1);
+  const auto steps = static_cast<std::size_t>(p.last_step - p.first_step) + 1;
   const BeamWindow window = beams_inside(config.sector(), p.angle(p.first_step), p.rad_per_step(), steps);
   request.first_step = p.first_step + static_cast<int>(window.first);
   request.last_step =

@@ -280,9 +280,6 @@ ColaWriter& ColaWriter::letters(std::string_view text) {
 }
 
 std::vector<std::uint8_t> ColaWriter::finish() {
-  // SICK 8014631 chapter 2.
-  constexpr std::uint8_t stx = 2;
-  constexpr std::uint8_t etx = 3;
   std::vector<std::uint8_t> frame;
   if (dialect_ == ColaDialect::a) {
     frame.push_back(stx);
@@ -290,7 +287,7 @@ std::vector<std::uint8_t> ColaWriter::finish() {
     frame.push_back(etx);
     return frame;
   }
-  frame.assign(4, stx);
+  frame.assign(marks, stx);
   for (std::size_t i = 4; i-- > 0;)
     frame.push_back(static_cast<std::uint8_t>(bytes_.size() >> 8U * i & 0xffU));
   frame.insert(frame.end(), bytes_.begin(), bytes_.end());

@@ -48,6 +48,7 @@ class MsgpackReader {
     if (!in(marker, int8, 4)) return false;
     const std::size_t width = width_of(marker, int8);
     // A non-negative signed number is accepted too.
+    // NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult): the width is 1, 2, 4 or 8.
     return big(width, value) && value >> (8 * width - 1) == 0;
   }
 

@@ -12,8 +12,8 @@ namespace {
 namespace http = boost::beast::http;
 
 // A snapshot has some 80 values.
-constexpr std::uint32_t longest_header = 8 * 1024;
-constexpr std::uint64_t longest_body = 64 * 1024;
+constexpr std::uint32_t longest_header = 8192;
+constexpr std::uint64_t longest_body = 65'536;
 
 }  // namespace
 
