@@ -74,7 +74,7 @@ Expected<ScanGrid> make_grid(const ScanGridSpec& spec) {
 std::size_t ScanGrid::nearest(double angle) const {
   double turn = std::fmod(angle - angle_min, two_pi);
   if (turn < 0) turn += two_pi;
-  const auto index = static_cast<std::size_t>(turn / increment + 0.5);
+  const auto index = static_cast<std::size_t>(std::floor(turn / increment + 0.5));
   if (index < beams) return index;
   if (full_circle) return 0;
   return turn - two_pi > -increment / 2 ? 0 : beams;

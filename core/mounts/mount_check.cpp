@@ -131,16 +131,15 @@ void MountCheck::find_source(const PlacedScan& sweep, const Vector2d& viewpoint,
 MatchedPose MountCheck::match(std::size_t index, const PlanarPose& configured, Stamp stamp) {
   MountDifference& pair = pairs_[index];
   const Source &first = sources_[pair.first], &second = sources_[pair.second];
-  const MatchedPose near = refine_match(first.surfaces, second.surfaces, configured, same_surface_m);
+  MatchedPose near = refine_match(first.surfaces, second.surfaces, configured, same_surface_m);
   auto& [far, next_search] = far_[index];
   const bool fits = near.pairs > fewest_surfaces;
   if (fits) far.reset(), pair.astray_since.reset(), pair.is_astray = false;
   if (fits || (!far && stamp < next_search)) return near;
   next_search = stamp + std::chrono::seconds(1);
   const Agreement now = agreement(first, second, configured);
-  const MatchedPose other =
-      refine_match(first.surfaces, second.surfaces,
-                   far ? *far : match_surfaces(first.surfaces, second.surfaces, configured));
+  MatchedPose other = refine_match(first.surfaces, second.surfaces,
+                                   far ? *far : match_surfaces(first.surfaces, second.surfaces, configured));
   const double moved = other.pose.distance_to(configured);
   const double share = agreement(first, second, other.pose).share();
   const bool is_unique =

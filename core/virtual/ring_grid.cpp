@@ -55,11 +55,12 @@ void RingGrid::set_footprint(const Footprint& own, const Pose& vehicle_from_clou
 bool RingGrid::organise(const Cloud& cloud, const CloudMotion* motion) {
   early.clear();
   why_not_ = "";
-  moved = motion != nullptr && !motion->stands();
+  if (motion != nullptr && motion->stands()) motion = nullptr;
+  moved = motion != nullptr;
   by_azimuth_ = !fires_in_columns(cloud);
   if (by_azimuth_ && !organise_points(cloud, motion)) return false;
   if (!by_azimuth_) organise_columns(cloud, motion);
-  if (moved) find_origins(*motion);
+  if (motion != nullptr) find_origins(*motion);
   return true;
 }
 
@@ -141,10 +142,10 @@ void RingGrid::open_column(std::size_t column, double azimuth) {
 void RingGrid::organise_columns(const Cloud& cloud, const CloudMotion* motion) {
   table_.set_rings(cloud);
   table_.learn(cloud, true);
-  lead_ = moved ? lead(cloud, *motion) : 0;
+  lead_ = motion != nullptr ? lead(cloud, *motion) : 0;
   number_columns(cloud, lead_);
   number_shifts();
-  if (lead_ > 0) {
+  if (motion != nullptr && lead_ > 0) {
     // Times count from this cloud's stamp.
     tail_.stamp = cloud.stamp;
     fill_lead(lead_, *motion);
@@ -154,7 +155,7 @@ void RingGrid::organise_columns(const Cloud& cloud, const CloudMotion* motion) {
     if (fired_[to_columns_[c]] == 0)
       open_column(to_columns_[c], static_cast<double>(cloud.columns[c].azimuth));
     times_[to_columns_[c]] = static_cast<float>(seconds(cloud.columns[c].stamp - cloud.stamp));
-    fill_column(cloud, c, to_columns_[c], moved ? &motion->columns()[c] : nullptr);
+    fill_column(cloud, c, to_columns_[c], motion != nullptr ? &motion->columns()[c] : nullptr);
   }
   if (!moved) measure_ranges();
   extend_azimuths();
@@ -285,7 +286,6 @@ void RingGrid::put(std::size_t at, const CloudPoint& point, const Pose* move) {
 }
 
 void RingGrid::fill_without_return(const Cloud& cloud, const CloudMotion* motion) {
-  const bool moves = motion != nullptr && !motion->stands();
   const double wanted = settings_.no_return_free_range;
   const double reach = cloud.max_range > 0 ? std::min(wanted, cloud.max_range) : wanted;
   level_.resize(rings_);
@@ -310,13 +310,13 @@ void RingGrid::fill_without_return(const Cloud& cloud, const CloudMotion* motion
       if (!ready) {
         cosine = std::cos(azimuths_[c]);
         sine = -std::sin(azimuths_[c]);
-        if (moves) move = motion->at(static_cast<double>(times_[c]));
+        if (motion != nullptr) move = motion->at(static_cast<double>(times_[c]));
         ready = true;
       }
       const std::size_t at = index(c, r);
       ends[at] = {level_[r] * cosine, level_[r] * sine, rise_[r], 0};
       range[at] = static_cast<float>(reach);
-      if (moves) move_end(ends[at], move);
+      if (motion != nullptr) move_end(ends[at], move);
     }
   }
 }

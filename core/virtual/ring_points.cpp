@@ -215,7 +215,6 @@ void RingGrid::measure_phases(const Cloud& cloud) {
 }
 
 void RingGrid::fill_points(const Cloud& cloud, const CloudMotion* motion) {
-  const bool moves = motion != nullptr && !motion->stands();
   const auto per_rad = static_cast<float>(1 / step_);
   const auto columns = static_cast<std::size_t>(std::lround(static_cast<double>(turn) / step_));
   clear_grid(columns, rings_);
@@ -232,8 +231,8 @@ void RingGrid::fill_points(const Cloud& cloud, const CloudMotion* motion) {
     azimuths_[column] = static_cast<float>(column) * static_cast<float>(step_) - turn / 2;
     const CloudPoint& point = cloud.points()[i];
     times_[column] = point.time;
-    const Pose move = moves ? motion->at(static_cast<double>(point.time)) : Pose::Identity();
-    put(index(column, row), point, moves ? &move : nullptr);
+    const Pose move = motion != nullptr ? motion->at(static_cast<double>(point.time)) : Pose::Identity();
+    put(index(column, row), point, motion != nullptr ? &move : nullptr);
   }
 }
 

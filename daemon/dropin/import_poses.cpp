@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/dropin/import_poses.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <map>
 
@@ -104,8 +106,9 @@ void ImportPoses::apply(ImportedConfig& config) {
     sensor.emplace_back("pose", *pose);
     const Transform& last = *above(frame);
     if (last.is_joint && last.fixed.parent != base_)
-      config.changes.push_back("sensors." + name + ": `pose` makes " + base_ + " the parent of " + frame +
-                               ", which is " + last.fixed.parent + " by " + last.publisher + "; keep one");
+      config.changes.push_back(
+          fmt::format("sensors.{}: `pose` makes {} the parent of {}, which is {} by {}; keep one", name,
+                      base_, frame, last.fixed.parent, last.publisher));
   }
   for (auto& [name, entry] : config.keys.virtual_scans) {
     KeyMap poses;
@@ -137,12 +140,14 @@ void ImportPoses::report_unused(ImportedConfig& config) {
     if (instead != &one && is_same) continue;
     std::string pose = yaml_text({{"pose", one.fixed.pose}});
     pose.pop_back();
-    const std::string subject = "the pose of " + one.fixed.child + " in " + one.fixed.parent;
-    const std::string text = instead != &one
-                                 ? subject + " by " + one.publisher + " (" + pose +
-                                       ") was left out: that by " + instead->publisher + " is another one"
-                                 : subject + " is not part of this configuration, whose base_frame is " +
-                                       base_ + ": publish it on tf, " + pose;
+    const std::string subject = fmt::format("the pose of {} in {}", one.fixed.child, one.fixed.parent);
+    const std::string text =
+        instead != &one
+            ? fmt::format("{} by {} ({}) was left out: that by {} is another one", subject, one.publisher,
+                          pose, instead->publisher)
+            : fmt::format(
+                  "{} is not part of this configuration, whose base_frame is {}: publish it on tf, {}",
+                  subject, base_, pose);
     (owner == owners.end() ? config.stays : config.changes)
         .push_back((owner == owners.end() ? "" : owner->second) + text);
   }

@@ -35,8 +35,9 @@ inline Color scale_color(double share) {
   const double at = std::clamp(share, 0.0, 1.0) * (std::size(steps) - 1);
   const auto low = std::min(static_cast<std::size_t>(at), std::size(steps) - 2);
   const double part = at - static_cast<double>(low);
-  const auto mix = [&](double Color::*c) { return steps[low].*c * (1 - part) + steps[low + 1].*c * part; };
-  return {mix(&Color::red), mix(&Color::green), mix(&Color::blue)};
+  const Color &from = steps[low], &to = steps[low + 1];
+  const auto mix = [&](double a, double b) { return a * (1 - part) + b * part; };
+  return {mix(from.red, to.red), mix(from.green, to.green), mix(from.blue, to.blue)};
 }
 
 /// A page to draw on, in pixels from its upper left corner. Coordinates in `meters` are in base_frame, whose
@@ -111,7 +112,7 @@ class Chart {
       const Color& c = dot.color;
       const std::uint32_t pixel = 0xff000000U | byte(c.red) << 16U | byte(c.green) << 8U | byte(c.blue);
       for (int y = static_cast<int>(p.y()); y < std::min(height, static_cast<int>(p.y()) + side); ++y) {
-        auto* row = reinterpret_cast<std::uint32_t*>(data + y * stride);
+        auto* row = reinterpret_cast<std::uint32_t*>(data + std::ptrdiff_t{y} * stride);
         for (int x = static_cast<int>(p.x()); x < std::min(width, static_cast<int>(p.x()) + side); ++x)
           row[x] = pixel;
       }
@@ -213,8 +214,10 @@ class Chart {
                           [&](const Eigen::AlignedBox2d& other) { return other.intersects(box()); });
     };
     constexpr int most_steps = 40;
-    for (int n = 0; n < most_steps && !is_free(); ++n)
-      p.y() = wanted + (n % 2 == 0 ? 1 : -1) * (n / 2 + 1) * size / 2;
+    for (int n = 0; n < most_steps && !is_free(); ++n) {
+      const int half_lines = n / 2 + 1;
+      p.y() = wanted + (n % 2 == 0 ? half_lines : -half_lines) * size / 2;
+    }
     edged_text(p, words, size, color, box());
   }
   /// text() with a white edge around the first of `positions` where nothing stands, else where the least

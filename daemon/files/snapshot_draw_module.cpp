@@ -360,6 +360,7 @@ class Painter {
 std::string drawn(const std::vector<SnapshotView>& views, PictureFormat format) {
   const SnapshotView& last = views.back();
   std::vector<Layout> layouts;
+  layouts.reserve(views.size());
   for (const SnapshotView& view : views) layouts.emplace_back(view, &view == &last);
   const std::vector<LegendRow> legend = legend_of(last, layouts.back().ring_step);
   double width = 0, height = field_top;

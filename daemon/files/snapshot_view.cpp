@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/files/snapshot_view.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -68,9 +70,8 @@ class Gatherer {
     for (const VirtualScanConfig& group : config_.virtual_scans) add_virtual(group);
     for (const std::string& topic : choice_.only) {
       if (topics_.count(topic) > 0) continue;
-      std::string all;
-      for (const std::string& one : topics_) all += (all.empty() ? "" : ", ") + one;
-      throw std::runtime_error("--only: no output '" + topic + "' can be drawn; expected one of " + all);
+      throw std::runtime_error(fmt::format("--only: no output '{}' can be drawn; expected one of {}", topic,
+                                           fmt::join(topics_, ", ")));
     }
     // A device's own free space counts as proven.
     if (first_input_ != nullptr && (shaded_ == nullptr || !areas_.empty()))

@@ -54,7 +54,7 @@ void judge_output(const MakerStatus& status, Stamp now, DiagnosticItem& item) {
 }
 
 std::string source_text(const SourceStatus& source) {
-  const std::string state = to_string(source.state);
+  std::string state = to_string(source.state);
   if (source.state == SourceState::never) return state;
   return text<says::source_state>(state, source.period_s > 0 ? 1 / source.period_s : 0, source.age_s * 1000);
 }

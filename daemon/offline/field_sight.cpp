@@ -170,7 +170,8 @@ class Inquiry {
     const auto& corners = outline.vertices();
     for (std::size_t i = 0; i < corners.size(); ++i) {
       // The corners are counter-clockwise: the outside lies right of each edge.
-      const Eigen::Vector2d a = corners[i], edge = corners[(i + 1) % corners.size()] - a;
+      const Eigen::Vector2d& a = corners[i];
+      const Eigen::Vector2d edge = corners[(i + 1) % corners.size()] - a;
       const Eigen::Vector2d outward = Eigen::Vector2d(edge.y(), -edge.x()).normalized();
       const double ahead = outward.dot(a - at), crossed = ahead / outward.dot(beam);
       const double along = (at + crossed * beam - a).dot(edge) / edge.squaredNorm();

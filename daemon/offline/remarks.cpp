@@ -51,7 +51,8 @@ double distance_to(const std::vector<Eigen::Vector2d>& footprint, const Eigen::V
   if (footprint.empty() || Footprint(footprint).contains(point)) return 0;
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < footprint.size(); ++i) {
-    const Eigen::Vector2d begin = footprint[i], edge = footprint[(i + 1) % footprint.size()] - begin;
+    const Eigen::Vector2d& begin = footprint[i];
+    const Eigen::Vector2d edge = footprint[(i + 1) % footprint.size()] - begin;
     const double along = std::clamp((point - begin).dot(edge) / edge.squaredNorm(), 0.0, 1.0);
     least = std::min(least, (begin + along * edge - point).norm());
   }

@@ -86,7 +86,7 @@ std::unique_ptr<Codec> codec_for(ByteView magic) {
 CaptureBytes::CaptureBytes(int fd) : fd_(fd) {
   std::array<std::uint8_t, 4> magic{};
   if (::pread(fd_, magic.data(), magic.size(), 0) == 4) codec_ = codec_for({magic.data(), magic.size()});
-  if (codec_ != nullptr) buffer_.resize(64 * 1024);
+  if (codec_ != nullptr) buffer_.resize(65'536);
 }
 
 ssize_t CaptureBytes::read(std::uint8_t* out, std::size_t size) {

@@ -60,7 +60,7 @@ Stamp CaptureReader::Interface::stamp(std::uint64_t ticks) const {
   Wide per_second = 1;
   // Beyond 100 bits all ticks together are less than a nanosecond.
   for (unsigned n = resolution & 0x7fU; n > 0 && per_second >> 100U == 0; --n) per_second *= base;
-  const Wide ns = std::min<Wide>(Wide{ticks} * second / per_second, max_seconds * second);
+  const Wide ns = std::min<Wide>(Wide{ticks} * second / per_second, Wide{max_seconds} * second);
   const std::int64_t offset = std::clamp(offset_s, -max_seconds, max_seconds) * second;
   return {std::clamp(static_cast<std::int64_t>(ns) + offset, -max_seconds * second, max_seconds * second)};
 }
@@ -107,7 +107,7 @@ ByteView CaptureReader::peek(std::size_t size) {
               buffer_.begin() + static_cast<std::ptrdiff_t>(end_), buffer_.begin());
     end_ -= begin_;
     begin_ = 0;
-    if (buffer_.size() < size) buffer_.resize(std::max<std::size_t>(size, 64 * 1024));
+    if (buffer_.size() < size) buffer_.resize(std::max<std::size_t>(size, 65'536));
   }
   while (end_ - begin_ < size) {
     const ssize_t got = bytes_.read(buffer_.data() + end_, buffer_.size() - end_);

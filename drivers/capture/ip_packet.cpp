@@ -96,7 +96,7 @@ void set_bytes(ByteView rest, std::size_t declared, IpPacket& out) {
 /// RFC 791.
 HeaderResult parse_v4(ByteView bytes, IpPacket& out) {
   if (!bytes.has(0, 20)) return HeaderResult::cut;
-  const std::size_t header = (bytes.u8(0) & 0x0fU) * 4U;
+  const std::size_t header = std::size_t{4} * (bytes.u8(0) & 0x0fU);
   if (bytes.u8(0) >> 4U != 4 || header < 20) return HeaderResult::malformed;
   if (!bytes.has(0, header)) return HeaderResult::cut;
   std::copy_n(bytes.begin() + 12, 4, out.from.bytes.begin());
@@ -129,9 +129,9 @@ std::size_t extension_length(std::uint8_t type, std::uint8_t length) {
     case mobility:
     case host_identity:
     case shim6:
-      return (length + 1U) * 8U;  // RFC 8200 section 4
+      return std::size_t{8} * (length + 1U);  // RFC 8200 section 4
     case authentication:
-      return (length + 2U) * 4U;  // RFC 4302 section 2.2
+      return std::size_t{4} * (length + 2U);  // RFC 4302 section 2.2
     default:
       return 0;
   }
@@ -219,7 +219,7 @@ HeaderResult parse_udp(ByteView bytes, UdpDatagram& out) {
 HeaderResult parse_tcp(const IpPacket& packet, TcpSegment& out) {
   const ByteView bytes = packet.transport;
   if (!bytes.has(0, 20)) return HeaderResult::cut;
-  const std::size_t header = (bytes.u8(12) >> 4U) * 4U;
+  const std::size_t header = std::size_t{4} * (bytes.u8(12) >> 4U);
   if (header < 20 || header > packet.declared) return HeaderResult::malformed;
   if (!bytes.has(0, header)) return HeaderResult::cut;
   out.from_port = bytes.be16(0);

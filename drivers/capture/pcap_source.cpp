@@ -26,7 +26,7 @@ FileDescriptor spool(int pipe, const std::string& name) {
   const char* folder = std::getenv("TMPDIR");
   FileDescriptor file(::open(folder != nullptr ? folder : "/tmp", O_TMPFILE | O_RDWR | O_CLOEXEC, 0600));
   if (!file.valid()) fail("its copy cannot be made");
-  std::vector<char> buffer(256 * 1024);
+  std::vector<char> buffer(262'144);
   bool checked = false;
   for (std::uint64_t size = 0;;) {
     const ssize_t got = ::read(pipe, buffer.data(), buffer.size());
@@ -39,7 +39,7 @@ FileDescriptor spool(int pipe, const std::string& name) {
       put += n;
     }
     size += static_cast<std::uint64_t>(got);
-    if (checked || size < 64 * 1024) continue;
+    if (checked || size < 65'536) continue;
     checked = true;
     try {
       CaptureReader(file.get(), name);

@@ -17,6 +17,7 @@ namespace {
 /// A configuration could not distinguish two models of one name.
 void require_usable(const std::vector<Model>& added, const std::deque<Model>& known) {
   std::vector<std::string_view> names;
+  names.reserve(known.size() + added.size());
   for (const Model& model : known) names.push_back(model.name);
   for (const Model& model : added) {
     if (std::find(names.begin(), names.end(), model.name) != names.end())

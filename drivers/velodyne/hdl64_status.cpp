@@ -251,7 +251,7 @@ bool Hdl64Status::is_trustworthy() const {
 LaserCalibration Hdl64Status::laser(int index) const {
   const int record = first_laser + index * laser_stride;
   const auto value = [&](int offset) { return static_cast<std::int16_t>(le16(record + offset)); };
-  const auto byte = [&](int offset) { return bytes_[static_cast<std::size_t>(record + offset)].value; };
+  const auto byte = [&](int offset) { return std::next(bytes_.begin(), record + offset)->value; };
   LaserCalibration laser;
   laser.vert_correction = value(1) * rad_per_hundredth_deg;
   laser.rot_correction = value(3) * rad_per_hundredth_deg;

@@ -52,7 +52,7 @@ std::optional<RawImu> read_imu(ByteView p) {
   for (std::size_t unit = 0; unit < 3; ++unit) {
     std::array<int, 4> value{};
     for (unsigned kind = 0; kind < 4; ++kind) {
-      const std::uint16_t word = p.le16(imu_offset + unit * 8 + kind * 2);
+      const std::uint16_t word = p.le16(imu_offset + unit * 8 + std::size_t{2} * kind);
       if (word >> 12U != kind) return std::nullopt;
       value[kind] = signed12(word);
     }

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/ros/in/output_items.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -200,11 +202,10 @@ std::string edit_method(const Key& item) {
   if (item.words.empty()) return {};
   std::string entries;
   for (const Word& one : item.words) {
-    const std::string word(one.text);
-    entries += (entries.empty() ? "{'name': '" : ", {'name': '") + word + "', 'type': 'str', 'value': '" +
-               word +
-               "', 'description': '', 'srcline': 0, 'srcfile': '', 'cconsttype': 'const char * const', "
-               "'ctype': 'std::string'}";
+    entries += fmt::format(
+        "{}{{'name': '{}', 'type': 'str', 'value': '{}', 'description': '', 'srcline': 0, 'srcfile': '', "
+        "'cconsttype': 'const char * const', 'ctype': 'std::string'}}",
+        entries.empty() ? "" : ", ", one.text, one.text);
   }
   return "{'enum_description': '" + description_of(item) + "', 'enum': [" + entries + "]}";
 }

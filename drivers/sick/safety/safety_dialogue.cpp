@@ -72,6 +72,7 @@ class SafetyDialogue final : public SideDialogue {
     session_ = 0;
   }
 
+  // NOLINTNEXTLINE(readability-function-size): the steps of one dialogue are one coroutine.
   void script(FrameReceiver& out) override {
     reenter(script_) {
       yield open(out);
