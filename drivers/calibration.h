@@ -61,7 +61,8 @@ inline const Calibration* own_calibration(const DriverConfig& config) {
 /// The table of a model with the equations of velodyne_pointcloud. Like the files of velodyne_pointcloud it
 /// has no vertical offsets.
 Calibration table_calibration(const Model& model);
-/// True if sensors of this model differ too much for a common table (HDL-64E).
+/// Only for a model with Trait::calibration: true if sensors of this model differ too much for a common table
+/// (HDL-64E).
 bool needs_own_calibration(const Model& model);
 /// The default equations for a file: those of velodyne_pointcloud, or for the db.xml of an HDL-64E S1 those
 /// of the viewer, which reproduce its published frame.

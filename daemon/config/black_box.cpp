@@ -20,7 +20,8 @@ Keys black_box_keys(BlackBoxConfig& black_box) {
        "captures kept there; a new one takes the place of the oldest, but the first of each kind of error "
        "stays"},
       {"per_day", black_box.per_day, whole(1, 1440),
-       "captures that errors may start within 24 hours, and one a minute at most; `lidard dump` is free"}};
+       "captures that errors may start within 24 hours, and one a minute at most; `lidard dump` does not "
+       "count"}};
 }
 
 void read_black_box(const Mapping& root, BlackBoxConfig& black_box) {

@@ -17,7 +17,7 @@ namespace lidard {
 /// Rows of cells; the first row has the headings.
 using TextTable = std::vector<std::vector<std::string>>;
 
-/// A value of a report as one line of text; nothing known: "-".
+/// A value of a report as one line of text, a number with 4 digits; nothing known: "-".
 inline std::string cell(const nlohmann::ordered_json& value) {
   if (value.is_number_float()) return fmt::format("{:.4g}", value.get<double>());
   const std::string text = value.is_string() ? value.get<std::string>() : value.is_null() ? "" : value.dump();

@@ -132,7 +132,8 @@ std::string milled(const Model& model, std::uint64_t seed, const Way& way) {
 TEST(Golden, BadStreamsAreDecodedAsBefore) {
   std::string all;
   for (const Model& model : models()) {
-    // By its name: a further model leaves the streams of the others as they are.
+    // By its name: a further model alone leaves the streams of the others as they are, a further capture does
+    // not.
     const auto seed = static_cast<std::uint64_t>(std::accumulate(model.name.begin(), model.name.end(), 0));
     const Way& way = ways[seed % std::size(ways)];
     all += head(std::string(model.name), way) + milled(model, seed, way);
