@@ -51,10 +51,9 @@ double distance_to(const std::vector<Eigen::Vector2d>& footprint, const Eigen::V
   if (footprint.empty() || Footprint(footprint).contains(point)) return 0;
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < footprint.size(); ++i) {
-    const Eigen::Vector2d& begin = footprint[i];
-    const Eigen::Vector2d edge = footprint[(i + 1) % footprint.size()] - begin;
-    const double along = std::clamp((point - begin).dot(edge) / edge.squaredNorm(), 0.0, 1.0);
-    least = std::min(least, (begin + along * edge - point).norm());
+    const Eigen::Vector2d &begin = footprint[i], &end = footprint[(i + 1) % footprint.size()];
+    const double along = (point - begin).dot(end - begin) / (end - begin).squaredNorm();
+    least = std::min(least, (begin + std::clamp(along, 0.0, 1.0) * (end - begin) - point).norm());
   }
   return least;
 }

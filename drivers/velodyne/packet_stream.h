@@ -277,10 +277,10 @@ class PacketStream {
     // Times within a frame are differences, so a jump of the device's clock ends the frame.
     constexpr Span jump = std::chrono::seconds(5);
     const std::uint32_t us = packet.view().stamp_us();
-    packet.begins_anew = passed_ && !started_;
     Span step{0};
     if (!started_) {
       packet.time = std::chrono::microseconds(us);
+      packet.begins_anew = passed_;
     } else {
       step = since_last(packet);
       packet.time = time_ + step;

@@ -114,7 +114,7 @@ double Rotation::rate_at(const PacketAzimuths& azimuths, Span time, Span sequenc
   const double usual = rate();
   if (azimuths.hidden_total_deg <= 0) return usual;
   std::size_t g = 1;
-  while (azimuths.hidden_deg[g] <= 0) ++g;
+  while (g + 1 < azimuths.groups && azimuths.hidden_deg[g] <= 0) ++g;
   const Edge edge{time + sequence * static_cast<int>((g - 1) * per_block), azimuths.group_deg(g - 1)};
   const std::optional<Edge> before = std::exchange(edge_, edge);
   if (!before) return usual;

@@ -4,9 +4,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <random>
-
 #include "daemon/pipeline/merging_maker.h"
 #include "test/daemon/pipeline/merged_output_bench.h"
 

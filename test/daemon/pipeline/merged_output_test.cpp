@@ -5,8 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
-#include <random>
 
 #include "daemon/pipeline/merging_maker.h"
 #include "test/daemon/pipeline/merged_output_bench.h"
