@@ -165,12 +165,26 @@ class TcpSource::Impl : public std::enable_shared_from_this<Impl> {
                                    generation = generation_](const boost::system::error_code& failed) {
       if (generation != self->generation_) return;
       if (failed.value() == EADDRNOTAVAIL) self->abandoned_port_ = 0;
-      if (failed) return self->fail({TcpFault::Kind::not_connected, failed.value()});
+      const int why = failed ? failed.value() : self->why_no_peer();
+      if (why != 0) return self->fail({TcpFault::Kind::not_connected, why});
       self->connected();
     });
     at(attempt_began_ + options_.connect_time_out, [](Impl& self) {
       self.fail({TcpFault::Kind::not_connected, ETIMEDOUT});
     });
+  }
+
+  /// 0 if the socket has a peer, else why it has none. On a loaded host async_connect has reported success
+  /// while the kernel was still noting that the device did not answer (SYN_SENT, then EHOSTUNREACH); such a
+  /// socket reads as one that the device closed.
+  int why_no_peer() {
+    boost::system::error_code none;
+    socket_.remote_endpoint(none);
+    if (!none) return 0;
+    int error = 0;
+    socklen_t size = sizeof error;
+    static_cast<void>(::getsockopt(socket_.native_handle(), SOL_SOCKET, SO_ERROR, &error, &size));
+    return error != 0 ? error : ETIMEDOUT;
   }
 
   void connected() {
