@@ -130,16 +130,17 @@ def stolen():
 
 
 class Starved:
-    """How long the processes of the test have waited for a processor since this was made: what is measured beside it may be
-    late by as much. Zero on a machine with time to spare, so that limits are strict there."""
+    """How long the processes of the test, or those of `processes`, have waited for a processor since this was made: what is
+    measured beside it may be late by as much. Zero on a machine with time to spare, so that limits are strict there."""
 
-    def __init__(self):
+    def __init__(self, processes=None):
+        self.processes = processes
         self.begin = self._now()
         self.stolen = stolen()
 
-    @staticmethod
-    def _now():
-        return {pid: waited_for_processor(pid) for pid in [os.getpid(), *(c.pid for c in CHILDREN if c.poll() is None)]}
+    def _now(self):
+        running = [c.pid for c in self.processes or CHILDREN if c.poll() is None]
+        return {pid: waited_for_processor(pid) for pid in running + ([] if self.processes else [os.getpid()])}
 
     def add(self, seconds):
         """Adds another delay that the machine caused."""

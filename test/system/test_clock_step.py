@@ -36,21 +36,26 @@ STREAMS = {"/ms3/scan": (LaserScan, 0.03), "/roof/points": (PointCloud2, 0.1), "
 SENSORS_AND_SCANS = ("sensor ms3", "sensor roof", "sensor lms", "sensor ust", "other input", "merged around")
 STEPS = [1.013, -1.013, 0.513, -0.513, 3600, -3600, 1e8, -1e8]
 AGAIN = 4  # s between steps: clocks of devices are known by then
+# s: where all packets of a device are late by more for a while, its clock was set (step_limit of DeviceClock).
+LATE = 0.05
 
 
-def check_steps(topic, stamps, period, step, starved):
-    """Without the step in one place, neighbours are whole periods apart, and hardly anything is missing."""
+def check_steps(topic, stamps, period, step, starved, late):
+    """Without the step in one place, neighbours are whole periods apart, and hardly anything is missing. Of lidars that were
+    late themselves, whose pauses may be longer than the step, the order is checked alone; 1 ns apart is one number here."""
     def fits(place):
         even = stamps[:place] + [stamp - step for stamp in stamps[place:]]
         apart = [after - before for before, after in zip(even, even[1:])]
+        if late > LATE:
+            return all(-1e-6 < a < 0.5 + starved for a in apart)
         # The Hokuyo's counter is in whole ms: its stamps wander by a part of one.
         return all(0 < a < 0.5 + starved and abs(a - round(a / period) * period) < 0.003 for a in apart)
 
     places = [place for place in range(1, len(stamps)) if fits(place)]
-    if len(places) != 1:
+    if len(places) != 1 and not (places and late > LATE):
         steps = [f"{after - before:.6f}" for before, after in zip(stamps, stamps[1:])
                  if not 0 < after - before < 1.5 * period]
-        expect(False, f"{topic}: not one step of {step} s and no other: {steps}")
+        expect(False, f"{topic}: not one step of {step} s and no other, lidars late by {late:.3f} s: {steps}")
 
 
 def other_node(clock, stop):
@@ -84,15 +89,15 @@ class Streams:
         self.ages[topic].append(time.time() + self.clock.seconds - stamp)
 
 
-def check_step(streams, step):
-    clock, starved = streams.clock, Starved()
+def check_step(streams, step, lidars):
+    clock, starved, late_lidars = streams.clock, Starved(), Starved([lidars])
     streams.worst.clear()
     marks = {topic: len(streams.stamps[topic]) - 1 for topic in STREAMS}
     clock.set_by(step)
     time.sleep(AGAIN)
     medians = []
     for topic, (_, period) in STREAMS.items():
-        check_steps(topic, streams.stamps[topic][marks[topic]:], period, step, starved.seconds())
+        check_steps(topic, streams.stamps[topic][marks[topic]:], period, step, starved.seconds(), late_lidars.seconds())
         # What was on its way when the clock was set is judged by neither time.
         late = sorted(streams.ages[topic][marks[topic] + 20:])
         expect(late[0] > -0.001, f"{topic}: a stamp {-late[0]:.4f} s ahead of the clock after {step} s")
@@ -112,11 +117,11 @@ def main():
         clock, stop = Clock(tmp / "clock"), threading.Event()
         streams = Streams(clock)
         threading.Thread(target=other_node, args=(clock, stop), daemon=True).start()
-        with sim(scene), daemon(config, env=clock.environment()) as child:
+        with sim(scene) as lidars, daemon(config, env=clock.environment()) as child:
             wait_for(lambda: all(len(streams.stamps[topic]) > 10 for topic in STREAMS), 30, "frames of all")
             time.sleep(AGAIN)
             for step in STEPS:
-                check_step(streams, step)
+                check_step(streams, step, lidars)
             steps = streams.diagnostics.values("clock")["Steps"]
             expect(steps == str(len(STEPS)), f"/diagnostics counts {steps} steps")
             stop.set()

@@ -39,12 +39,14 @@ def starving():
     one = str(min(os.sched_getaffinity(0)))
     with process(["/usr/bin/sleep", "60"]) as idle, process(["/usr/bin/taskset", "-c", one, *spin]) as first, \
             process(["/usr/bin/taskset", "-c", one, *spin], stdout=subprocess.DEVNULL) as second:
-        starved, before = Starved(), [waited_for_processor(child.pid) for child in (idle, first, second)]
+        starved, of_idle = Starved(), Starved([idle])
+        before = [waited_for_processor(child.pid) for child in (idle, first, second)]
         time.sleep(2)
         waited = [waited_for_processor(child.pid) - b for child, b in zip((idle, first, second), before)]
-        total = starved.seconds()
+        total, alone = starved.seconds(), of_idle.seconds()
     print(f"waited in 2 s: asleep {waited[0]:.3f} s, two on one processor {waited[1]:.2f} and {waited[2]:.2f} s")
     expect(waited[0] < 0.05, "who sleeps does not starve")
+    expect(alone < total - 1, f"{alone:.2f} s of the one that sleeps alone, {total:.2f} s of all")
     expect(waited[1] + waited[2] > 1 and total >= waited[1] + waited[2] - 0.1, f"two on one processor starve, {total:.2f} s")
 
 
