@@ -76,7 +76,8 @@ bool DeviceClock::hold(std::int64_t device, std::int64_t arrival) {
       base_offset_ += std::min<std::int64_t>(0, offset - predicted_offset(newest_));
       if (offset < window_.offset) window_ = {newest_, offset};
     }
-    run_ = {device, arrival, predicted_offset(device)};
+    if (device - begun_ >= longest_run) owed_ = 0;
+    run_ = {device, arrival, predicted_offset(device) - owed_};
     return false;
   }
   const std::int64_t passed = device - run_.device;
@@ -119,6 +120,7 @@ void DeviceClock::begin(std::int64_t device, std::int64_t arrival) {
   base_device_ = begun_ = window_begin_ = device;
   window_length_ = first_window;
   base_offset_ = offset;
+  owed_ = 0;
   window_ = {device, offset};
   run_ = {device, arrival, offset};
   ready_ = true;
@@ -143,13 +145,20 @@ void DeviceClock::follow(std::int64_t device, std::int64_t arrival) {
   if (residual > step_limit && late_since_ == 0) late_since_ = arrival;
   const bool late_for_long = residual > step_limit && std::abs(arrival - late_since_) > late_limit;
   if (residual < -step_limit || residual > longest_stall || late_for_long) {
+    const std::int64_t owed = std::max<std::int64_t>(0, owed_ + residual);
     ++steps_;
     restart();
-    return begin(device, arrival);
+    begin(device, arrival);
+    owed_ = owed;
+    run_.offset -= owed;
+    return;
   }
   if (residual > step_limit) return;
   late_since_ = 0;
-  if (residual < 0) base_offset_ += residual;
+  if (residual < 0) {
+    base_offset_ += residual;
+    owed_ = std::max<std::int64_t>(0, owed_ + residual);
+  }
   if (offset < window_.offset) window_ = {device, offset};
   if (device - window_begin_ >= window_length_) close_window(device, offset);
 }

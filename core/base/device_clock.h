@@ -103,12 +103,14 @@ class DeviceClock {
   double slope_ = 0, expected_slope_ = 0, slope_deviation_ = 0;
   std::int64_t spread_ = 0;
   std::int64_t placed_ = 0;  // offset of the newest packet, in arrival mode
-  /// The packets while the arrivals stood: the first one, and the offset that was known then.
+  /// The packets while the arrivals stood: the first one, and the offset that was known then, less owed_.
   struct Run {
     std::int64_t device, arrival, offset;
   };
   static constexpr std::int64_t certain_after = 300'000'000;
   Run run_{};
+  /// How much lower the line was before a step. The step may have been a stall: a burst returns to that line.
+  std::int64_t owed_ = 0;
   std::int64_t newest_ = 0, newest_arrival_ = 0;  // of the newest packet, device time first
   std::int64_t newest_host_ = 0;                  // its stamp before a restart
   bool held_ = false, early_ = false, lacked_ = false;

@@ -106,6 +106,21 @@ TEST_P(ClockBench, TheFirstStampsAreRightToAMillisecondOnAQuietNetwork) {
   }
 }
 
+TEST_P(ClockBench, WhatTheNetworkKeptForAWhileIsNotPlacedAheadOfItsArrival) {
+  BenchScenario scenario;
+  scenario.name = "network that stalls";
+  scenario.ppm = 100;
+  scenario.jitter = 100us;
+  for (const Span stall : {300ms, 600ms, 1500ms, 4000ms, 6000ms}) {
+    scenario.stall = stall;
+    const std::string what = std::string(family().name) + ", s: " + std::to_string(seconds(stall));
+    const BenchFigures seen = run_clock_bench(family(), scenario, 9s + stall, 1);
+    EXPECT_LE(seen.ahead, 1e-3) << what;
+    EXPECT_LE(seen.worst, 2e-3) << what;
+    EXPECT_EQ(seen.backwards, 0U) << what;
+  }
+}
+
 std::string name_of(const testing::TestParamInfo<std::size_t>& info) {
   std::string name;
   for (const char* c = bench_families()[info.param].name; *c != '\0'; ++c) {

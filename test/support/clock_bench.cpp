@@ -124,6 +124,11 @@ class ClockBench final : public FrameReceiver {
     Span late = cable + Span(std::llround(rng_.uniform() * static_cast<double>(scenario_.jitter.count())));
     if (rng_.uniform() < scenario_.outliers) late += span_from_seconds(0.08 * rng_.uniform());
     sent.leaves = sent.leaves + late;
+    const Stamp kept_from = start_ + 6s;
+    if (sent.leaves >= kept_from && sent.leaves < kept_from + scenario_.stall) {
+      sent.leaves = kept_from + scenario_.stall + (sent.leaves - kept_from) / 1000;
+      settled_ = sent.leaves + settling;
+    }
     if (!on_the_way_.empty() && sent.leaves < on_the_way_.back().leaves)
       sent.leaves = on_the_way_.back().leaves;
     on_the_way_.push_back(std::move(sent));
@@ -146,6 +151,7 @@ class ClockBench final : public FrameReceiver {
     const Stamp by_device = unhost(moved ? stamp - span_from_seconds(scenario_.step_s) : stamp);
     const auto truth = device_->truth(by_device, azimuth);
     ++figures_.frames;
+    if (!moved) figures_.ahead = std::max(figures_.ahead, seconds(stamp - host(now_)));
     note_order(moved ? HostStamp{stamp.ns} : ClockStep(clock_->step()).host(stamp), stamp);
     if (!truth) {
       ++figures_.without_truth;

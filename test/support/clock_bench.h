@@ -57,6 +57,7 @@ struct BenchScenario {
   double outliers = 0;            ///< share of the packets that are late by up to 80 ms more
   std::optional<Span> wrap{};     ///< after the start
   std::optional<Span> reboot{};   ///< silent for 1.5 s then
+  Span stall{0};                  ///< from 6 s after the start on, the network keeps the packets for so long
   std::optional<Span> step_at{};  ///< the host's clock is set then
   double step_s = 0;
   double slew_ppm = 0;    ///< the host's clock is that much fast for 10 s, from 8 s after the start on
@@ -70,6 +71,7 @@ struct BenchFigures {
   std::size_t frames = 0;
   std::size_t missing = 0;    ///< gaps between frames where the device was not silent
   std::size_t backwards = 0;  ///< stamps that are not newer than the one before
+  double ahead = 0;           ///< s, the furthest that a stamp was ahead of the newest packet's arrival
   std::size_t jumps = 0;      ///< discontinuities of the stamps as they go out, in host time
   std::uint64_t steps = 0;    ///< that the driver counted
   std::uint64_t lost = 0;     ///< packets, likewise

@@ -17,7 +17,7 @@ class ScanClock {
 
   /// Host time of the last beam of scan `number`, whose first datagram came at `arrival`.
   Stamp end_of_scan(std::uint32_t number, Span scan_time, Stamp arrival) {
-    if (started_ && !paused_ && continues(number, scan_time, arrival)) {
+    if (started_ && !paused_ && continues(number, scan_time)) {
       device_ += scan_time * static_cast<std::int32_t>(number - number_);
     } else {
       if (started_ && !paused_) ++restarts_;
@@ -28,7 +28,6 @@ class ScanClock {
     paused_ = false;
     number_ = number;
     scan_time_ = scan_time;
-    arrival_ = arrival;
     clock_.observe(device_, arrival);
     return clock_.to_host(device_);
   }
@@ -43,13 +42,8 @@ class ScanClock {
   const DeviceClock& clock() const { return clock_; }
 
  private:
-  bool continues(std::uint32_t number, Span scan_time, Stamp arrival) const {
-    // A scan later by more than this is no stall of the network: the mirror stood or a clock was set.
-    constexpr Span longest_stall = std::chrono::milliseconds(500);
-    const auto ahead = static_cast<std::int32_t>(number - number_);
-    const Span passed = scan_time * ahead;
-    return scan_time == scan_time_ && ahead > 0 &&
-           (arrival - arrival_ - passed <= longest_stall || clock_.stands(device_ + passed, arrival));
+  bool continues(std::uint32_t number, Span scan_time) const {
+    return scan_time == scan_time_ && static_cast<std::int32_t>(number - number_) > 0;
   }
 
   DeviceClock clock_;
@@ -59,7 +53,6 @@ class ScanClock {
   std::uint32_t number_ = 0;
   Span scan_time_{0};
   Span device_{0};
-  Stamp arrival_;
 };
 
 }  // namespace lidard::sick

@@ -212,6 +212,23 @@ TEST(DeviceClock, LatenessIsAStepOnceEveryPacketOfHalfASecondWasSoLate) {
   EXPECT_NEAR(lidard::seconds(step.error()), 0.2, 1e-3);
 }
 
+// A sender that stalls, and then sends what it has kept, is no recording without arrival times.
+TEST(DeviceClock, TheBurstAfterALatenessThatBecameAStepIsNotPlacedAheadOfItsArrival) {
+  for (const int late_ms : {200, 1400, 12'000}) {
+    Punctual punctual;
+    punctual.receive_for(3000);
+    punctual.receive_for(540, late_ms);
+    ASSERT_EQ(punctual.clock.steps(), 1U);
+    for (int late = late_ms; late > 0; late -= 10) {
+      punctual.receive(late);
+      ASSERT_LE(lidard::seconds(punctual.error()), 1e-3 * late + 2e-3) << late << " of " << late_ms;
+    }
+    punctual.receive_for(1000);
+    EXPECT_LT(std::abs(punctual.error().count()), 1'000'000) << late_ms;
+    EXPECT_FALSE(punctual.clock.lacks_arrivals()) << late_ms;
+  }
+}
+
 TEST(DeviceClock, ElevenSecondsLateIsAStepAtOnce) {
   Punctual stalled, stepped;
   stalled.receive_for(3000);

@@ -84,5 +84,24 @@ TEST(ScanClock, HoldsHalfAMillisecondUpToAThousandPpm) {
   }
 }
 
+TEST(ScanClock, ScansThatASwitchKeptForAWhileAreNotPlacedAheadOfTheirArrival) {
+  for (const double stall_s : {0.4, 0.6, 1.45, 9.0}) {
+    ScanClock clock(ClockMode::smooth);
+    Host host(0.1e-3, 0);
+    constexpr double scan_s = 0.03;
+    for (int number = 0; number < 1000; ++number) {
+      const double measured = 0.01 + scan_s * number;
+      const bool kept = measured > 10 && measured < 10 + stall_s;
+      const Stamp arrival = host.takes(kept ? 10 + stall_s + 1e-4 * (measured - 10) : measured);
+      const Stamp end =
+          clock.end_of_scan(static_cast<std::uint32_t>(number), span_from_seconds(scan_s), arrival);
+      ASSERT_LT(seconds(end - arrival), 1e-3) << "scan " << number << ", stall of " << stall_s << " s";
+      if (measured > 5) {
+        ASSERT_LT(error_s(end, measured), 1e-3) << "scan " << number << ", stall of " << stall_s << " s";
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace lidard::sick
