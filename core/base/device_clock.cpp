@@ -13,9 +13,6 @@ constexpr std::int64_t ms = 1'000'000;
 constexpr std::int64_t step_limit = 50 * ms;
 /// Packets that are all late for longer are a step, not a stall.
 constexpr std::int64_t late_limit = 500 * ms;
-/// No stall is so long: the kernel stamps arrivals, and TCP ends a connection sooner. One such packet is a
-/// step (a device that was off for longer than the overflow its counter seems to have had).
-constexpr std::int64_t longest_stall = 10'000 * ms;
 /// Windows grow from the first length to the last: a crystal's drift is steady for as long as all windows
 /// last then (16 s), and each of the slowest sensor's windows holds some packets.
 constexpr std::int64_t first_window = 50 * ms, last_window = 400 * ms;
@@ -112,7 +109,7 @@ void DeviceClock::reset() {
   restart();
 }
 
-void DeviceClock::begin(std::int64_t device, std::int64_t arrival) {
+void DeviceClock::begin(std::int64_t device, std::int64_t arrival, std::int64_t owed) {
   std::int64_t offset = arrival - device;
   // Without arrival times the stamps go on, by the device's clock unless it began anew.
   if (held_) offset = std::max({offset, base_offset_, newest_host_ - device});
@@ -120,9 +117,9 @@ void DeviceClock::begin(std::int64_t device, std::int64_t arrival) {
   base_device_ = begun_ = window_begin_ = device;
   window_length_ = first_window;
   base_offset_ = offset;
-  owed_ = 0;
+  owed_ = owed;
   window_ = {device, offset};
-  run_ = {device, arrival, offset};
+  run_ = {device, arrival, offset - owed};
   ready_ = true;
 }
 
@@ -130,7 +127,7 @@ void DeviceClock::observe(Span device_span, Stamp arrival) {
   const std::int64_t device = device_span.count();
   const std::int64_t offset = arrival.ns - device;
   if (!ready_)
-    begin(device, arrival.ns);
+    begin(device, arrival.ns, 0);
   else if (!hold(device, arrival.ns))
     follow(device, arrival.ns);
   newest_ = device;
@@ -144,20 +141,17 @@ void DeviceClock::follow(std::int64_t device, std::int64_t arrival) {
   const std::int64_t residual = offset - predicted_offset(device);
   if (residual > step_limit && late_since_ == 0) late_since_ = arrival;
   const bool late_for_long = residual > step_limit && std::abs(arrival - late_since_) > late_limit;
-  if (residual < -step_limit || residual > longest_stall || late_for_long) {
-    const std::int64_t owed = std::max<std::int64_t>(0, owed_ + residual);
+  const std::int64_t owed = std::max<std::int64_t>(0, owed_ + residual);
+  if (residual < -step_limit || residual > longest_stall.count() || late_for_long) {
     ++steps_;
     restart();
-    begin(device, arrival);
-    owed_ = owed;
-    run_.offset -= owed;
-    return;
+    return begin(device, arrival, owed);
   }
   if (residual > step_limit) return;
   late_since_ = 0;
   if (residual < 0) {
     base_offset_ += residual;
-    owed_ = std::max<std::int64_t>(0, owed_ + residual);
+    owed_ = owed;
   }
   if (offset < window_.offset) window_ = {device, offset};
   if (device - window_begin_ >= window_length_) close_window(device, offset);

@@ -29,6 +29,10 @@ enum class ClockMode : std::uint8_t {
 /// is late. Such packets are held: they follow the device's clock from the first one on.
 class DeviceClock {
  public:
+  /// No stall is so long: the kernel stamps arrivals, and TCP ends a connection sooner. One such packet is a
+  /// step (a device that was off for longer than the overflow its counter seems to have had).
+  static constexpr Span longest_stall = std::chrono::seconds(10);
+
   explicit DeviceClock(ClockMode mode = ClockMode::smooth) : mode_(mode) {}
 
   /// A packet that could not leave before device time `device` arrived at `arrival`. Device time must be
@@ -72,7 +76,7 @@ class DeviceClock {
     std::int64_t device;
     std::int64_t offset;
   };
-  void begin(std::int64_t device, std::int64_t arrival);
+  void begin(std::int64_t device, std::int64_t arrival, std::int64_t owed);
   bool hold(std::int64_t device, std::int64_t arrival);
   void follow(std::int64_t device, std::int64_t arrival);
   void close_window(std::int64_t device, std::int64_t offset);
@@ -109,7 +113,8 @@ class DeviceClock {
   };
   static constexpr std::int64_t certain_after = 300'000'000;
   Run run_{};
-  /// How much lower the line was before a step. The step may have been a stall: a burst returns to that line.
+  /// How much lower the line was before a step, for a while. The step may have been a stall of the network;
+  /// the burst at its end returns to the former line.
   std::int64_t owed_ = 0;
   std::int64_t newest_ = 0, newest_arrival_ = 0;  // of the newest packet, device time first
   std::int64_t newest_host_ = 0;                  // its stamp before a restart

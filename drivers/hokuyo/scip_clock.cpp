@@ -15,7 +15,7 @@ constexpr std::int64_t counter_length = (std::int64_t{1} << 24U) * ms;
 /// A counter this far ahead of the elapsed time was reset, or a clock was set.
 constexpr std::int64_t jump_limit = 1000 * ms;
 /// A counter that lags by less shows a stalled host; TCP keeps the data meanwhile.
-constexpr std::int64_t longest_stall = 10'000 * ms;
+constexpr std::int64_t longest_stall = DeviceClock::longest_stall.count();
 /// A counter that goes back by more was reset.
 constexpr std::int64_t backward_limit = 100 * ms;
 /// A sweep this far from the line means that the motor did not turn evenly.

@@ -58,6 +58,10 @@ class ClockBench final : public FrameReceiver {
   void request(ByteView bytes) override {
     uplink_.push_back({now_ + 50us, std::string(bytes.text()), 0, std::nullopt});
   }
+  void disconnect(bool again) override {
+    if (!is_tcp_ || !online_) return;
+    hang_up(again ? 100ms : Span::max() / 4);
+  }
 
  private:
   /// Host time, without steps, of a moment by the device's clock.
@@ -88,14 +92,18 @@ class ClockBench final : public FrameReceiver {
   }
   void reboot() {
     rebooted_ = true;
-    online_ = false;
     settled_ = host(now_) + silence + settling;
-    back_at_ = now_ + silence;
+    hang_up(silence);
+    device_->reboot(back_at_);
+    last_.reset();
+  }
+  /// What is on its way is lost.
+  void hang_up(Span length) {
+    online_ = false;
+    back_at_ = now_ + length;
     if (is_tcp_) driver_->disconnected();
     uplink_.clear();
     on_the_way_.clear();
-    device_->reboot(back_at_);
-    last_.reset();
   }
 
   void step() {

@@ -139,8 +139,8 @@ class Starved:
         self.stolen = stolen()
 
     def _now(self):
-        running = [c.pid for c in self.processes or CHILDREN if c.poll() is None]
-        return {pid: waited_for_processor(pid) for pid in running + ([] if self.processes else [os.getpid()])}
+        own, processes = ([os.getpid()], CHILDREN) if self.processes is None else ([], self.processes)
+        return {pid: waited_for_processor(pid) for pid in [*own, *(c.pid for c in processes if c.poll() is None)]}
 
     def add(self, seconds):
         """Adds another delay that the machine caused."""
